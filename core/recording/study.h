@@ -1,0 +1,96 @@
+// study.yaml: a robot, its recordings, what is known of payloads, gains and drives, and how to filter.
+
+#ifndef IDIM_CORE_RECORDING_STUDY_H_
+#define IDIM_CORE_RECORDING_STUDY_H_
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/status.h"
+#include "core/recording/recording.h"
+#include "core/robot/robot.h"
+
+namespace idim {
+
+enum class Use { kIdentification, kValidation };
+enum class Side { kJoint, kMotor };
+
+// The known ones among the ten inertial parameters, about the frame of the last link; the others are identified.
+struct Payload {
+  std::string name;
+  std::array<std::optional<double>, kNumInertial> known;
+};
+
+// Where a signal is found in a file: a header name or a 1-based number, then value = scale * column + offset.
+struct Column {
+  std::string header;  // empty: `number` counts
+  int number = 0;      // 1-based
+  double scale = 1.0;
+  double offset = 0.0;
+};
+
+struct RecordingEntry {
+  std::string name;
+  Use use = Use::kIdentification;
+  int payload = -1;         // index into Study::payloads, -1: none
+  std::string q_file;       // resolved paths; equal unless signals are kept in separate files
+  std::string signal_file;
+  std::string dq_file;      // empty: where q is
+  std::string ddq_file;
+  // Zero-based half-open range of the data rows to use (key `rows`); absent: all.
+  std::optional<std::pair<int, int>> rows;
+};
+
+// The declared drive model of every joint; the drive inertia Ia is always there.
+struct FrictionModel {
+  bool viscous = true;
+  bool coulomb = true;
+  bool offset = true;
+};
+
+struct PreprocessingRequest {
+  std::optional<double> cutoff_hz;
+  std::optional<int> decimation;
+};
+
+enum class GainsMode { kKnown, kIdentify };
+
+struct Study {
+  std::string path;
+  Robot robot;
+  std::vector<RecordingEntry> recordings;
+  std::vector<Payload> payloads;
+  GainsMode gains_mode = GainsMode::kKnown;
+  // n, [N m per signal unit]. Known mode: exact (default 1). Identify mode: a priori values or empty.
+  Eigen::VectorXd gains;
+  FrictionModel friction;
+  Side position_side = Side::kJoint;
+  Side signal_side = Side::kJoint;
+  // Keyed like the contract: "t", "q1", "v1", "tau1", "dq1", "ddq1"; only those the study declares.
+  std::vector<std::pair<std::string, Column>> columns;
+  std::optional<double> sample_rate;  // [Hz]
+  Eigen::VectorXd position_noise;     // [rad or m] a priori standard deviation per joint, or empty
+  Eigen::VectorXd signal_noise;       // [signal unit] likewise
+  PreprocessingRequest preprocessing;
+};
+
+// Paths are relative to the study; a recording that is not there is looked for in $IDIM_DATA_DIR, then in
+// `recordings/` (where scripts/fetch_recordings.sh puts them) and `shared/datasets/` of every folder above the study.
+Result<Study> ReadStudy(const std::string& yaml_path);
+
+// Reads the files of one entry and maps positions to the joint side. Refuses, naming file and line: a wrong number
+// of columns, text, NaN, inf or |value| > 1e12, time that repeats or runs backwards, a truncated last line, fewer
+// than 2 samples, files of different length.
+Result<Recording> ReadRecording(const Study& study, const RecordingEntry& entry);
+
+// Joint torque [N m] of a signal row with the given gains: diag(g) v on the joint side, T' diag(g) v on the motor
+// side. signal: N x n; returns N x n.
+Eigen::MatrixXd JointTorque(const Study& study, const Eigen::VectorXd& gains, const Eigen::MatrixXd& signal);
+
+}  // namespace idim
+
+#endif  // IDIM_CORE_RECORDING_STUDY_H_

@@ -1,0 +1,12 @@
+# Warnings are errors. No -march above the x86-64 baseline: Debian's Ceres is built with 16-byte Eigen alignment.
+add_library(idim_compile_options INTERFACE)
+target_compile_options(idim_compile_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Werror)
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+
+option(IDIM_SANITIZE "AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
+if(IDIM_SANITIZE)
+  # Eigen would otherwise wrap malloc under AddressSanitizer, which Ceres' own Eigen does not.
+  add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+endif()

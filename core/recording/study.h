@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/status.h"
+#include "core/dynamics/standard_model.h"
 #include "core/recording/recording.h"
 #include "core/robot/robot.h"
 
@@ -43,13 +44,6 @@ struct RecordingEntry {
   std::string ddq_file;
   // Zero-based half-open range of the data rows to use (key `rows`); absent: all.
   std::optional<std::pair<int, int>> rows;
-};
-
-// The declared drive model of every joint; the drive inertia Ia is always there.
-struct FrictionModel {
-  bool viscous = true;
-  bool coulomb = true;
-  bool offset = true;
 };
 
 struct PreprocessingRequest {

@@ -22,9 +22,9 @@ enum class JointType { kRevolute, kPrismatic };
 
 struct Joint {
   JointType type = JointType::kRevolute;
-  std::string name;                                            // of the URDF joint, else "1", "2", ...
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();      // of frame j in frame j-1 at q = 0
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();       // [m] of the origin of frame j in frame j-1 at q = 0
+  std::string name;                                        // of the URDF joint, else "1", "2", ...
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // of frame j in frame j-1 at q = 0
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();   // [m] of the origin of frame j in frame j-1 at q = 0
 };
 
 // alpha, theta [rad], d, r [m]; theta (revolute) and r (prismatic) are the constant offsets of the joint variable.

@@ -1,0 +1,39 @@
+#include "core/dynamics/parameters.h"
+
+#include <glog/logging.h>
+
+#include "core/robot/inertia.h"
+
+namespace idim {
+
+const char* ParameterKindName(ParameterKind kind) {
+  switch (kind) {
+    case ParameterKind::kDriveGain:
+      return "drive_gain";
+    case ParameterKind::kBase:
+      return "base";
+    case ParameterKind::kFriction:
+      return "friction";
+    case ParameterKind::kDriveInertia:
+      return "drive_inertia";
+    case ParameterKind::kPayload:
+      return "payload";
+    case ParameterKind::kEffect:
+      return "effect";
+  }
+  LOG(FATAL) << "no such kind of parameter";
+  return "";
+}
+
+std::string StandardUnit(int standard_index, bool prismatic) {
+  CHECK_GE(standard_index, 0);
+  CHECK_LT(standard_index, kNumStandard);
+  if (standard_index < kMX) return "kg.m^2";
+  if (standard_index < kM) return "kg.m";
+  if (standard_index == kM) return "kg";
+  if (standard_index == kIa) return prismatic ? "kg" : "kg.m^2";
+  if (standard_index == kFv) return prismatic ? "N.s/m" : "N.m.s/rad";
+  return prismatic ? "N" : "N.m";
+}
+
+}  // namespace idim

@@ -6,7 +6,8 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 option(IDIM_SANITIZE "AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
 if(IDIM_SANITIZE)
   # Eigen would otherwise wrap malloc under AddressSanitizer, which Ceres' own Eigen does not.
-  add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
-  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
-  add_link_options(-fsanitize=address,undefined)
+  set(IDIM_SANITIZE_FLAGS -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+                          -DEIGEN_MALLOC_ALREADY_ALIGNED=1)
+  add_compile_options(${IDIM_SANITIZE_FLAGS})
+  add_link_options(${IDIM_SANITIZE_FLAGS})
 endif()

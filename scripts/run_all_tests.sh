@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Installs what is missing, then builds and tests twice: a release build with every test, and a build under
+# AddressSanitizer (leaks too) and UndefinedBehaviorSanitizer with all but the tests labelled "slow".
+# The last line is the sum, "N passed, N failed, N skipped"; a build that fails counts as one failure.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+if [ $# -gt 0 ]; then
+  echo "usage: $0" >&2
+  exit 1
+fi
+
+passed=0
+failed=0
+skipped=0
+finish() {
+  trap - EXIT
+  echo "$passed passed, $failed failed, $skipped skipped"
+  [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
+  exit
+}
+# Reached early only when a command below fails, or on an interrupt.
+trap 'failed=$((failed + 1)); finish' EXIT
+
+# attribute NAME FILE: a count in the head of a JUnit file.
+attribute() { grep -o -m 1 "[[:space:]]$1=\"[0-9]*\"" "$2" | head -n 1 | tr -dc '0-9'; }
+
+run_suite() {
+  local preset=$1
+  local results=$PWD/build/$preset/test_results.xml
+  cmake --preset "$preset" -DIDIM_BUILD_TESTS=ON
+  cmake --build --preset "$preset" --parallel "$(nproc)"
+  rm -f "$results"
+  local status=0
+  ctest --preset "$preset" --parallel "$(nproc)" --output-junit "$results" || status=$?
+  local tests failures not_run
+  tests=$(attribute tests "$results")
+  failures=$(attribute failures "$results")
+  not_run=$(($(attribute disabled "$results") + $(attribute skipped "$results")))
+  # ctest may fail without naming a test, and a test without a result has not passed.
+  if [ $status -ne 0 ] && [ "$failures" -eq 0 ]; then failures=1; fi
+  failed=$((failed + failures))
+  skipped=$((skipped + not_run))
+  passed=$((passed + tests > failures + not_run ? passed + tests - failures - not_run : passed))
+}
+
+scripts/install_dependencies.sh --tests
+run_suite release
+run_suite asan
+finish

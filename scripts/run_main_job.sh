@@ -15,13 +15,13 @@ cmake --build --preset release --target apps/all
 program=build/release/apps/idim_identify
 study=datasets/tx40_synthetic/study.yaml
 output=out/tx40_synthetic
-for needed in $program $study; do
-  if [ ! -e $needed ]; then
+for needed in "$program" "$study"; do
+  if [ ! -e "$needed" ]; then
     echo "$0: $needed is not there; are these sources complete?" >&2
     exit 1
   fi
 done
-$program $study --estimator=wls --output=$output
+"$program" "$study" --estimator=wls --output="$output"
 echo
 echo "Report (open it in a browser): $PWD/$output/report.html"
 echo "Numbers: $PWD/$output/estimate.json, $PWD/$output/residuals.csv"

@@ -32,15 +32,16 @@ run_suite() {
   rm -f "$results"
   local status=0
   ctest --preset "$preset" --parallel "$(nproc)" --output-junit "$results" || status=$?
-  local tests failures not_run
+  local tests failures not_run passes
   tests=$(attribute tests "$results")
   failures=$(attribute failures "$results")
   not_run=$(($(attribute disabled "$results") + $(attribute skipped "$results")))
   # ctest may fail without naming a test, and a test without a result has not passed.
   if [ $status -ne 0 ] && [ "$failures" -eq 0 ]; then failures=1; fi
+  passes=$((tests - failures - not_run))
+  passed=$((passed + (passes > 0 ? passes : 0)))
   failed=$((failed + failures))
   skipped=$((skipped + not_run))
-  passed=$((passed + tests > failures + not_run ? passed + tests - failures - not_run : passed))
 }
 
 scripts/install_dependencies.sh --tests

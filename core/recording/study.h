@@ -74,11 +74,23 @@ struct Study {
 
 // Paths are relative to the study; a recording that is not there is looked for in $IDIM_DATA_DIR, then in
 // `recordings/` (where scripts/fetch_recordings.sh puts them) and `shared/datasets/` of every folder above the study.
+//
+// Defaults: gains known and 1; friction viscous, coulomb, offset; both sides joint; a recording's name is that of its
+// file without the extension, its use identification. Refused, naming file, line and key: unknown keys (with the
+// nearest known one), wrong types and lengths, values that are not finite, a recording that is nowhere, names given
+// twice, an undeclared payload, no identification recording, `effects` (not supported yet).
 Result<Study> ReadStudy(const std::string& yaml_path);
 
-// Reads the files of one entry and maps positions to the joint side. Refuses, naming file and line: a wrong number
-// of columns, text, NaN, inf or |value| > 1e12, time that repeats or runs backwards, a truncated last line, fewer
-// than 2 samples, files of different length.
+// Reads the files of one entry and maps positions to the joint side (motor side: q = T^-1 q_motor, dq and ddq alike).
+//
+// Columns: those that the study declares, else the headers t, q1..qn, v1..vn (or tau1..taun), dq1.., ddq1... A file
+// has no header when its first line is all numbers; then every column it is read for must be declared by number. Time
+// is column t of the position file; without one it is row / sample_rate. dq and ddq are read when declared, given a
+// file, or found in the header of the position file. `v` wins where a file holds both v and tau.
+//
+// Refuses, naming file and line: a wrong number of columns, text, NaN, inf or |value| > 1e12, time that repeats or
+// runs backwards, a truncated last line, fewer than 2 samples, files of different length, columns that are missing or
+// belong to a joint that the robot lacks, tau with gains that are not known and 1 or with signal_side motor.
 Result<Recording> ReadRecording(const Study& study, const RecordingEntry& entry);
 
 // Joint torque [N m] of a signal row with the given gains: diag(g) v on the joint side, T' diag(g) v on the motor

@@ -5,6 +5,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <map>
+#include <tuple>
+#include <utility>
 
 #include "core/base/text.h"
 #include "core/recording/csv_reader.h"
@@ -169,12 +171,17 @@ class RecordingReader {
     if (file.first.all_numbers) {
       return ": missing, the file has no header; expected a header line, or 'columns' by number in " + study_.path;
     }
-    std::vector<std::string> shown(file.first.fields.begin(),
-                                   file.first.fields.begin() + std::min<size_t>(file.first.fields.size(), 24));
-    for (std::string& field : shown) field = Clip(field);
-    return ": missing (nearest: '" + Clip(NearestName(name, file.first.fields)) + "'); expected it in the header " +
-           Join(shown, ",") + (shown.size() < file.first.fields.size() ? ",..." : "") + ", the robot has " +
-           std::to_string(n_) + (n_ == 1 ? " joint" : " joints");
+    // A column that has a use of its own is not a misspelling of this one.
+    std::vector<std::string> candidates;
+    std::vector<std::string> shown;
+    for (const std::string& field : file.first.fields) {
+      if (std::count(file.keys.begin(), file.keys.end(), field) == 0) candidates.push_back(field);
+      if (shown.size() < 24) shown.push_back(Clip(field));
+    }
+    const std::string nearest = NearestName(name, candidates);
+    return ": missing" + (nearest.empty() ? "" : " (nearest: '" + Clip(nearest) + "')") +
+           "; expected it in the header " + Join(shown, ",") + (shown.size() < file.first.fields.size() ? ",..." : "") +
+           ", the robot has " + std::to_string(n_) + (n_ == 1 ? " joint" : " joints");
   }
 
   // A recording of an arm with more joints than the robot is another arm's.

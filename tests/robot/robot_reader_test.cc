@@ -120,6 +120,8 @@ struct BadRobot {
   std::vector<std::string> message;  // substrings
 };
 
+void PrintTo(const BadRobot& test, std::ostream* out) { *out << test.name; }
+
 class BadRobotTest : public ::testing::TestWithParam<BadRobot> {};
 
 TEST_P(BadRobotTest, IsRefusedWithAClearMessage) {

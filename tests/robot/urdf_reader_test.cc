@@ -198,6 +198,8 @@ struct BadUrdf {
   std::vector<std::string> message;
 };
 
+void PrintTo(const BadUrdf& test, std::ostream* out) { *out << test.name; }
+
 class BadUrdfTest : public ::testing::TestWithParam<BadUrdf> {};
 
 TEST_P(BadUrdfTest, IsRefusedWithAClearMessageAndNothingPrinted) {

@@ -82,6 +82,9 @@ Result<Decimator> Decimator::Create(const Eigen::VectorXd& t, const Clock& clock
   };
   double full = 0;
   for (int j = -out.half_; j <= out.half_; ++j) full += taps[std::abs(j)];
+  if (on_samples) {
+    for (int j = -out.half_; j <= out.half_; ++j) out.taps_.push_back(taps[std::abs(j)] / full);
+  }
   out.head_ = on_samples ? 0 : n;
   out.tail_ = n;
   for (int k = 0; k < outputs; ++k) {
@@ -130,6 +133,11 @@ Result<Decimator> Decimator::Create(const Eigen::VectorXd& t, const Clock& clock
     for (int k = low; k < high; ++k) out.weights_.push_back(weight(k, i) / norm[k]);
   }
   return out;
+}
+
+const std::vector<double>& Decimator::Taps() const {
+  CHECK(!taps_.empty());
+  return taps_;
 }
 
 Decimator::Contribution Decimator::At(int sample) const {

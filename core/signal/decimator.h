@@ -74,6 +74,10 @@ class Decimator {
   // The greatest number of outputs that are begun and not complete at a time.
   int max_open() const { return max_open_; }
 
+  // The window of an output that nothing cuts, 20 D + 1 taps of sum 1 about its centre. Uniform clock or D = 1 only
+  // (CHECK).
+  const std::vector<double>& Taps() const;
+
   // x: N x c columns at the recorded instants. Returns outputs() x c.
   Eigen::MatrixXd Apply(const Eigen::MatrixXd& x) const;
 
@@ -89,8 +93,9 @@ class Decimator {
   // Weights are stored sample by sample in [0, head_) and [tail_, N), where windows are cut or the clock jitters; in
   // between they are the taps, one row of `phases_` for each remainder of the sample by D.
   int head_ = 0, tail_ = 0;
-  int half_ = 0;         // half width of the window in samples of a uniform clock
-  int grid_offset_ = 0;  // output 0 is instant T_(grid_offset_)
+  int half_ = 0;              // half width of the window in samples of a uniform clock
+  int grid_offset_ = 0;       // output 0 is instant T_(grid_offset_)
+  std::vector<double> taps_;  // empty where the clock jitters and D > 1
   std::vector<double> phases_;
   struct Stored {
     int first = 0;

@@ -6,9 +6,9 @@
 //
 //   |H(f)|^2 = 1 / (1 + x^(2 n)),                                                                     (1)
 //
-// so that the gain at the cut-off is 1/2 (-6 dB), as with `filtfilt` of other packages. Away from the ends polynomials of
-// degree below 2 n pass unchanged. At the ends the signal is continued by its odd reflection about the end point and every
-// section starts in its steady state (F. Gustafsson discusses the alternatives), so a constant passes unchanged
+// so that the gain at the cut-off is 1/2 (-6 dB), as with `filtfilt` of other packages. Away from the ends polynomials
+// of degree below 2 n pass unchanged. At the ends the signal is continued by its odd reflection about the end point and
+// every section starts in its steady state (F. Gustafsson discusses the alternatives), so a constant passes unchanged
 // everywhere; what else the ends distort dies out within about two periods of the cut-off.
 //
 // Why written here: Debian 12 has no maintained double-precision C++ library of digital filters with zero-phase

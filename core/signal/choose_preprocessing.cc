@@ -33,9 +33,11 @@ Band AnalyzeJoint(const Eigen::VectorXd& frequency, const Eigen::VectorXd& densi
 
   Eigen::Index crossing = 1;
   for (; crossing < usable / 2; ++crossing) {
-    // A third of an octave and at least four bins, against the scatter of the estimate.
-    const Eigen::Index end = std::min(usable, crossing + std::max<Eigen::Index>(4, crossing / 4));
-    if (density.segment(crossing, end - crossing).mean() <= 2.0 * floor) break;
+    // A third of an octave about it and at least five bins, against the scatter of the estimate.
+    const Eigen::Index reach = std::max<Eigen::Index>(2, crossing / 8);
+    const Eigen::Index begin = std::max<Eigen::Index>(1, crossing - reach);
+    const Eigen::Index end = std::min(usable, crossing + reach + 1);
+    if (density.segment(begin, end - begin).mean() <= 2.0 * floor) break;
   }
   Band band;
   if (crossing <= 1) return band;

@@ -11,17 +11,18 @@
 //   bandwidth  99.9 % of the power of the velocity, (2 pi f)^2 (S - F) up to the crossing, lies below it.
 //
 // The cut-off is the largest crossing of any joint, but within 5 and 20 bandwidths and at most 0.4 of the sampling
-// rate. The lower limit is Gautier's (M. Gautier, "Dynamic identification of robots with power model", ICRA 1997: the
-// low-pass at five times the dynamics or more, so that it distorts neither magnitude nor derivatives). Above the upper
-// limit positions carry vibration of the structure, which a rigid model does not explain; the factor 20 was set where
-// it reproduces the cut-offs that people chose for the two arms whose recordings were at hand. The bandwidth is the
-// upper median over the joints, because a joint that hardly moves has the bandwidth of its neighbours' vibration, and
-// the largest over recordings. The result is rounded to two digits.
+// rate. The lower limit is the rule of thumb of Gautier's identification papers (e.g. M. Gautier, A. Janot, P.-O.
+// Vandanjon, IEEE TCST 21, 2013): five times the dynamics or more, so that the low-pass distorts neither magnitude nor
+// derivatives. Above the upper limit positions carry vibration of the structure, which a rigid model does not explain;
+// the factor 20 was set where it comes within a quarter of what people chose for the two arms whose recordings were at
+// hand (TX-40: 120 Hz, people 100 Hz; UR10e: 7.8 and 9.8 Hz, people 9.4 Hz). The bandwidth is the upper median over the
+// joints, because a joint that hardly moves has the bandwidth of its neighbours' vibration, and the largest over the
+// recordings. The result is rounded to two digits.
 //
 // Decimation: D = rate / cut-off rounded down, which puts the decimated Nyquist frequency at half the cut-off, as in
 // the reference (100 Hz, 5 kHz, D = 50). There the low-pass still passes 1 / (1 + 2^-8) = 99.6 %, so that what the
-// parallel decimation leaves is not distorted; Gautier's n_d = 0.8 rate / (2 f_p) with f_p the cut-off would keep 1.25
-// times as many samples.
+// parallel decimation leaves is not distorted. Gautier's D = 0.8 rate / (2 f_p), f_p the pass band of the decimation,
+// gives the same for f_p = 0.4 cut-offs.
 
 #ifndef IDIM_CORE_SIGNAL_CHOOSE_PREPROCESSING_H_
 #define IDIM_CORE_SIGNAL_CHOOSE_PREPROCESSING_H_

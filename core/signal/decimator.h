@@ -10,7 +10,10 @@
 //
 // evaluated by quadrature on the recorded time, w_i the spacing of sample i. On a uniform clock this is the filter with
 // 20 D + 1 taps of scipy.signal.decimate(ftype='fir', zero_phase=True), tap for tap. On a jittering clock the sum
-// approximates the integral with the trapezoidal rule's error, |error| <= (h_max^2 / 12) int |(g y)''| ds / (D h),
+// approximates the integrals by the trapezoidal rule, to leading order in the longest step h_max within
+//
+//   |error| <= h_max^2 / 12 (int |(g y)''| ds + max |y| int |g''| ds) / int g ds,
+//
 // which is a flaw of the low-pass, not of the equations: both sides get the same weights.
 //
 // Edges. A window that an end of the recording cuts is renormalised by (1), which keeps constants exact but makes a

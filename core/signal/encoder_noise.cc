@@ -17,6 +17,12 @@ constexpr double kStepsToMove = 8;
 constexpr double kPeriodsInBlock = 4;
 constexpr int kProbeSamples = 40000;
 
+// Samples left out at each end, where the residual shows the filter's transient: two periods of the cut-off, but
+// never more than leaves half of a short recording.
+int EdgeSamples(int samples, const Preprocessing& preprocessing, const Clock& clock) {
+  return static_cast<int>(std::min(std::ceil(2.0 / (preprocessing.cutoff_hz * clock.step)), samples / 4.0));
+}
+
 // c of equation (1).
 Result<double> ResidualFraction(const Eigen::VectorXd& t, const Preprocessing& preprocessing, const Clock& clock) {
   const int order = preprocessing.options.filter_order;
@@ -34,16 +40,9 @@ Result<double> ResidualFraction(const Eigen::VectorXd& t, const Preprocessing& p
   Eigen::MatrixXd signs(n, probes);
   for (double& sign : signs.reshaped()) sign = (bits() & 1) != 0 ? 1.0 : -1.0;
   const Eigen::MatrixXd filtered = spline->Evaluate(spline->Fit(signs), t, 0);
-  // Like the residuals, without the ends.
-  const double edge = 2.0 / preprocessing.cutoff_hz;
-  double sum = 0;
-  Eigen::Index count = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (t[i] - clock.start < edge || clock.end - t[i] < edge) continue;
-    sum += (signs.row(i) - filtered.row(i)).squaredNorm();
-    count += probes;
-  }
-  return sum / static_cast<double>(count);
+  const Eigen::Index edge = EdgeSamples(static_cast<int>(n), preprocessing, clock);
+  const auto residual = (signs - filtered).middleRows(edge, n - 2 * edge);
+  return residual.squaredNorm() / static_cast<double>(residual.size());
 }
 
 double Median(std::vector<double> values) {
@@ -101,10 +100,11 @@ Result<EncoderNoise> EstimateEncoderNoise(const Recording& recording, const Prep
   if (!fraction.ok()) return fraction.status();
 
   const double period = 1.0 / (preprocessing.cutoff_hz * clock.step);  // in samples
-  const int edge = static_cast<int>(std::ceil(2.0 * period));
-  const int length = std::max(16, static_cast<int>(std::round(kPeriodsInBlock * period)));
+  const int edge = EdgeSamples(recording.samples(), preprocessing, clock);
+  const int length =
+      std::min(recording.samples() - 2 * edge, std::max(16, static_cast<int>(std::round(kPeriodsInBlock * period))));
   // The median of chi^2_nu / nu (Wilson and Hilferty).
-  const double freedom = *fraction * length;
+  const double freedom = std::max(1.0, *fraction * length);
   const double median_bias = std::pow(1.0 - 2.0 / (9.0 * freedom), 3);
 
   const int dof = recording.dof();

@@ -26,7 +26,7 @@ Status CheckFilterable(const Recording& recording, const Preprocessing& preproce
     message << "cutoff_hz is " << cutoff << ", must be below half the sampling rate of " << clock.rate() << " Hz";
     return Status::BadInput(message.str());
   }
-  // Two periods at each end are dropped; a fifth of one between them is the least that a reader can use.
+  // What the edges take, a period between them, and never less than the filter's own continuation at both ends.
   const double needed = std::max(2.0 * preprocessing.options.edge_periods + 1.0, 3.0) / (cutoff * clock.step);
   if (recording.samples() <= needed) {
     message << "has " << recording.samples() << " samples at " << clock.rate() << " Hz; a low-pass at " << cutoff
@@ -49,7 +49,7 @@ bool PreprocessingOptions::IsValid(std::string* error) const {
     return false;
   };
   if (filter_order < SmoothingSpline::kMinOrder || filter_order > SmoothingSpline::kMaxOrder) {
-    return fail("filter_order is " + std::to_string(filter_order) + ", must be 2 to 6");
+    return fail("filter_order is " + std::to_string(filter_order) + ", must be 3 to 6");
   }
   if (!(edge_outputs >= 0)) return fail("edge_outputs is " + std::to_string(edge_outputs) + ", must not be negative");
   if (!(edge_periods >= 0)) return fail("edge_periods is " + std::to_string(edge_periods) + ", must not be negative");

@@ -25,7 +25,7 @@
 namespace idim {
 
 struct PreprocessingOptions {
-  // Order of the Butterworth low-pass (each of the two passes), 2 to 6.
+  // Order of the Butterworth low-pass (each of the two passes), 3 to 6.
   int filter_order = 4;
   // Dropped at each end: the longer of these, in decimated steps (>= 0) and in periods of the cut-off (>= 0).
   double edge_outputs = 2.0;

@@ -37,7 +37,7 @@ namespace idim {
 
 class SmoothingSpline {
  public:
-  static constexpr int kMinOrder = 2;
+  static constexpr int kMinOrder = 3;  // with 2 the second derivative is only piecewise linear between knots
   static constexpr int kMaxOrder = 6;
   static constexpr int kMaxSupport = 2 * kMaxOrder;
 

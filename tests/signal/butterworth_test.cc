@@ -75,7 +75,7 @@ TEST(ButterworthFilter, PassesConstantsUpToTheEnds) {
   }
 }
 
-// The steady-state start without its offset trick: a step far inside does not leak to the ends.
+// A line is no steady state of the sections: what the start makes of it must have died out over the padding.
 TEST(ButterworthFilter, StaysNearAStraightLineAtTheEnds) {
   const int n = 1000;
   const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(n, 5.0, 15.0);

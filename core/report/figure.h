@@ -1,0 +1,88 @@
+// The figures of a report as data: what is drawn, in which unit, in which colour. How it is drawn is report.js.
+//
+// Vectors of one figure that must agree in length are CHECKed. A value that is not finite is a gap, never a point.
+
+#ifndef IDIM_CORE_REPORT_FIGURE_H_
+#define IDIM_CORE_REPORT_FIGURE_H_
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace idim {
+
+// Colours by meaning, so that a curve looks the same in every figure of every report. Measured red and model blue are
+// those of Fig. 2 of Gautier & Briot (2014), in tones that stay apart for the colour-blind (Tol's vibrant scheme).
+enum class SeriesColor { kMeasured, kModel, kResidual, kOrange, kTeal, kPurple };
+
+// Traces over time, fast with 1e5 samples: the screen shows minimum and maximum of what falls on a pixel, every sample
+// once zoomed in.
+struct TimeFigure {
+  struct Trace {
+    std::string name;
+    Eigen::VectorXd value;  // N
+    SeriesColor color = SeriesColor::kMeasured;
+  };
+  std::string title;
+  std::string y_title;  // quantity and unit: "torque [N m]"
+  Eigen::VectorXd t;    // N [s], increasing
+  std::vector<Trace> traces;
+  // Figures of one report with the same link share their time range and zoom together; empty: alone.
+  std::string link;
+};
+
+// A cloud of points, such as residual over velocity.
+struct ScatterFigure {
+  struct Points {
+    std::string name;
+    Eigen::VectorXd x, y;  // N each
+    SeriesColor color = SeriesColor::kModel;
+  };
+  std::string title;
+  std::string x_title, y_title;
+  std::vector<Points> sets;
+};
+
+// Point estimates with intervals, a row a parameter; several sets (estimators, a published table) side by side.
+struct IntervalFigure {
+  enum class Scale {
+    kValue,            // as given: all rows share a unit
+    kRelativeToFirst,  // every row divided by |estimate of the first set|: rows of different units in one figure
+  };
+  struct Estimates {
+    std::string name;
+    Eigen::VectorXd value;         // P; NaN: this set does not have the parameter
+    Eigen::VectorXd lower, upper;  // P; NaN: no interval known
+    SeriesColor color = SeriesColor::kModel;
+  };
+  std::string title;
+  std::string value_title;
+  std::vector<std::string> parameters;  // P names
+  std::vector<Estimates> sets;
+  Scale scale = Scale::kValue;
+  // Ends of the value axis, in units of the scale; what lies beyond is marked by an arrow. Absent: all that there is.
+  std::optional<std::pair<double, double>> limits;
+  bool vertical = false;  // false: intervals lie, names stand in a column; true: intervals stand, for few short names
+};
+
+// Bars by category, such as the relative error by joint.
+struct BarFigure {
+  struct Bars {
+    std::string name;
+    Eigen::VectorXd value;  // C
+    SeriesColor color = SeriesColor::kModel;
+  };
+  std::string title;
+  std::string x_title, y_title;
+  std::vector<std::string> categories;  // C
+  std::vector<Bars> sets;
+};
+
+using Figure = std::variant<TimeFigure, ScatterFigure, IntervalFigure, BarFigure>;
+
+}  // namespace idim
+
+#endif  // IDIM_CORE_REPORT_FIGURE_H_

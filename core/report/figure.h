@@ -31,7 +31,7 @@ struct TimeFigure {
   Eigen::VectorXd t;    // N [s], increasing
   std::vector<Trace> traces;
   // Figures of one report with the same link share their time range and zoom together; empty: alone.
-  std::string link;
+  std::string link = "";
 };
 
 // A cloud of points, such as residual over velocity.
@@ -50,7 +50,8 @@ struct ScatterFigure {
 struct IntervalFigure {
   enum class Scale {
     kValue,            // as given: all rows share a unit
-    kRelativeToFirst,  // every row divided by |estimate of the first set|: rows of different units in one figure
+    kRelativeToFirst,  // every row divided by the first set's estimate: rows of different units in one figure; an
+                       // interval that reaches 0 tells nothing of its parameter's sign
   };
   struct Estimates {
     std::string name;
@@ -64,7 +65,7 @@ struct IntervalFigure {
   std::vector<Estimates> sets;
   Scale scale = Scale::kValue;
   // Ends of the value axis, in units of the scale; what lies beyond is marked by an arrow. Absent: all that there is.
-  std::optional<std::pair<double, double>> limits;
+  std::optional<std::pair<double, double>> limits = std::nullopt;
   bool vertical = false;  // false: intervals lie, names stand in a column; true: intervals stand, for few short names
 };
 

@@ -19,8 +19,8 @@ using nlohmann::json;
 
 constexpr int kPlotHeight = 330;
 constexpr int kAxesHeight = 120;  // what legend, axis titles and ticks take of an interval figure
-constexpr int kRowHeight = 12;    // plus kSetHeight for every set in the row
-constexpr int kSetHeight = 8;
+constexpr int kRowHeight = 10;    // plus kSetHeight for every set in the row
+constexpr int kSetHeight = 6;
 
 std::string Base64(std::string_view bytes) {
   namespace it = boost::archive::iterators;
@@ -123,7 +123,7 @@ class Converter {
       CHECK_EQ(set.value.size(), rows) << figure.title << ": " << set.name;
       CHECK_EQ(set.lower.size(), rows) << figure.title << ": " << set.name;
       CHECK_EQ(set.upper.size(), rows) << figure.title << ": " << set.name;
-      if (series.empty() && figure.scale == IntervalFigure::Scale::kRelativeToFirst) unit = set.value.cwiseAbs();
+      if (series.empty() && figure.scale == IntervalFigure::Scale::kRelativeToFirst) unit = set.value;
       series.push_back({{"name", set.name},
                         {"color", ColorName(set.color)},
                         {"value", Numbers(set.value)},

@@ -46,7 +46,7 @@ struct Table {
   std::string caption;
   std::vector<Column> columns;
   std::vector<std::vector<std::string>> rows;  // each as long as columns
-  std::vector<int> muted_rows;                 // shown pale: parameters that the data do not determine
+  std::vector<int> muted_rows = {};            // shown pale: parameters that the data do not determine
 };
 
 // Figures in rows of `columns`; one below the other on a narrow screen.

@@ -88,11 +88,11 @@ function base(spec) {
     textStyle: {fontFamily, color: ink, fontSize: 12},
     color: spec.series.map((s) => colors[s.color]),
     legend: {
-      top: 0, left: 8, itemWidth: 18, itemHeight: 8, icon: spec.kind === 'time' ? 'roundRect' : undefined,
+      top: 0, left: 8, itemWidth: 14, itemHeight: 8, itemGap: 8, icon: spec.kind === 'time' ? 'roundRect' : undefined,
       textStyle: {color: ink, fontSize: 12}, data: spec.series.map((s) => s.name),
     },
     tooltip: {confine: true, textStyle: {color: ink, fontSize: 12}, padding: [4, 8]},
-    toolbox: {right: 6, top: 0, itemSize: 13, feature: {saveAsImage: {title: 'save', name: spec.title, pixelRatio: 2}}},
+    toolbox: {right: 6, top: -12, itemSize: 13, feature: {saveAsImage: {title: 'save', name: spec.title, pixelRatio: 2}}},
     grid: {left: 14, right: 16, top: 34, bottom: 10, outerBoundsMode: 'same', outerBoundsContain: 'all'},
   };
 }
@@ -151,8 +151,10 @@ const options = {
     option.yAxis = valueAxis(spec.yTitle, {nameGap: 40});
     option.grid.bottom = 34;
     option.dataZoom = [
-      {type: 'inside', zoomOnMouseWheel: 'ctrl', moveOnMouseMove: 'shift', preventDefaultMouseMove: false},
-      {type: 'slider', height: 16, bottom: 6, showDataShadow: false, showDetail: false, brushSelect: false},
+      {type: 'inside', zoomOnMouseWheel: 'ctrl'},
+      {type: 'slider', height: 16, bottom: 6, showDataShadow: false, showDetail: false, brushSelect: false,
+        backgroundColor: '#eef1f3', fillerColor: 'rgba(0, 90, 143, 0.18)', borderColor: '#c4cad0',
+        handleStyle: {borderColor: '#57606a'}, handleSize: '120%'},
     ];
     option.series = spec.series.map((s, k) => ({
       type: 'line', name: s.name, data: interleave(t, values[k]), showSymbol: false, sampling: 'minmax',
@@ -170,8 +172,8 @@ const options = {
     option.xAxis = valueAxis(spec.xTitle);
     option.yAxis = valueAxis(spec.yTitle, {nameGap: 40});
     option.dataZoom = [
-      {type: 'inside', xAxisIndex: 0, filterMode: 'none', zoomOnMouseWheel: 'ctrl', moveOnMouseMove: 'shift'},
-      {type: 'inside', yAxisIndex: 0, filterMode: 'none', zoomOnMouseWheel: 'ctrl', moveOnMouseMove: 'shift'},
+      {type: 'inside', xAxisIndex: 0, filterMode: 'none', zoomOnMouseWheel: 'ctrl'},
+      {type: 'inside', yAxisIndex: 0, filterMode: 'none', zoomOnMouseWheel: 'ctrl'},
     ];
     option.series = spec.series.map((s) => {
       const y = samples(s.y);
@@ -201,9 +203,14 @@ const options = {
         [hit.color, 'interval', `${number(s.lower[i] ?? NaN)} to ${number(s.upper[i] ?? NaN)}`]]);
     };
     const scaled = (array, i) => (array[i] === null || !spec.unit[i] ? NaN : array[i] / spec.unit[i]);
+    const zero = {
+      silent: true, symbol: 'none', label: {show: false}, lineStyle: {color: ink, type: 'dashed', width: 1},
+      data: [spec.vertical ? {yAxis: 0} : {xAxis: 0}],
+    };
     option.series = spec.series.map((s, k) => {
       requireData(s.value.map((v) => v ?? NaN), s.name);
       return {
+        markLine: k === 0 ? zero : undefined,
         type: 'custom', name: s.name, renderItem: intervalItem(k, spec), clip: true,
         data: spec.parameters.map((_, i) => [i, scaled(s.value, i), scaled(s.lower, i), scaled(s.upper, i)]),
         encode: spec.vertical ? {x: 0, y: [1, 2, 3]} : {x: [1, 2, 3], y: 0},
@@ -280,22 +287,38 @@ function intervalItem(set, spec) {
 // Whether pixels of a series' colour, paler where lines are thin, stand in the plotting area.
 function seriesSeen(chart, spec) {
   const area = chart.getModel().getComponent('grid').coordinateSystem.getRect();
-  const canvas = chart.getZr().painter.getLayers()[0]?.dom ?? chart.getDom().querySelector('canvas');
   const ratio = chart.getDevicePixelRatio();
-  const {data} = canvas.getContext('2d').getImageData(
-    area.x * ratio + 2, area.y * ratio + 2, area.width * ratio - 4, area.height * ratio - 4);
+  const box = [area.x * ratio + 2, area.y * ratio + 2, area.width * ratio - 4, area.height * ratio - 4];
+  // Darkness by channel on white paper.
   const targets = spec.series.map((s) => [1, 3, 5].map((i) => 255 - parseInt(colors[s.color].slice(i, i + 2), 16)));
-  for (let i = 0; i < data.length; i += 4) {
-    const pixel = data[i + 3] === 0 ? [0, 0, 0] : [255 - data[i], 255 - data[i + 1], 255 - data[i + 2]];
-    const size = Math.hypot(...pixel);
-    for (const target of targets) {
-      const length = Math.hypot(...target);
-      const cosine = (pixel[0] * target[0] + pixel[1] * target[1] + pixel[2] * target[2]) / (size * length);
-      if (size > 0.25 * length && cosine > 0.98) return true;
+  const isTarget = (r, g, b) => targets.some((target) => {
+    const cosine = (r * target[0] + g * target[1] + b * target[2]) / (Math.hypot(r, g, b) * Math.hypot(...target));
+    return cosine > 0.98 && Math.hypot(r, g, b) > 0.25 * Math.hypot(...target);
+  });
+  // ECharts puts large scatters on a canvas of their own.
+  return [...chart.getDom().querySelectorAll('canvas')].some((canvas) => {
+    const {data} = canvas.getContext('2d').getImageData(...box);
+    for (let i = 0; i < data.length; i += 4) {
+      const alpha = data[i + 3] / 255;
+      if (alpha > 0 && isTarget((255 - data[i]) * alpha, (255 - data[i + 1]) * alpha, (255 - data[i + 2]) * alpha)) {
+        return true;
+      }
     }
-  }
-  return false;
+    return false;
+  });
 }
+
+const charts = [];
+
+// Paper is narrower than a screen, and no frame is drawn between this event and the print.
+window.addEventListener('beforeprint', () => {
+  root.classList.add('printing');
+  for (const chart of charts) {
+    chart.resize();
+    chart.getZr().flush();
+  }
+});
+window.addEventListener('afterprint', () => root.classList.remove('printing'));
 
 function draw(element, spec, specs) {
   return new Promise((resolve, reject) => {
@@ -323,8 +346,10 @@ function draw(element, spec, specs) {
       chart.group = spec.link;
       echarts.connect(spec.link);
     }
+    // ECharts swallows every turn of the wheel, also those it does not zoom by: leave these to the page.
+    element.addEventListener('wheel', (event) => event.ctrlKey || event.stopPropagation(), {capture: true});
     new ResizeObserver(() => chart.resize()).observe(element);
-    window.addEventListener('beforeprint', () => chart.resize());
+    charts.push(chart);
   });
 }
 

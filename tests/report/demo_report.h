@@ -4,6 +4,7 @@
 #define IDIM_TESTS_REPORT_DEMO_REPORT_H_
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <string>
 #include <vector>
@@ -79,9 +80,9 @@ inline Report DemoReport(int joints, int samples) {
                    {"unit", Table::Align::kLeft},      {"regrouping", Table::Align::kLeft}};
   IntervalFigure all;
   all.title = "Base parameters relative to their estimates";
-  all.value_title = "value / |estimate|";
+  all.value_title = "value / estimate";
   all.scale = IntervalFigure::Scale::kRelativeToFirst;
-  all.limits = {-3.0, 3.0};
+  all.limits = {-1.0, 3.0};
   const int parameters = 10 * joints + 1;
   Eigen::VectorXd value(parameters), half(parameters), published(parameters);
   for (int i = 0; i < parameters; ++i) {

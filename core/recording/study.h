@@ -37,10 +37,10 @@ struct Column {
 struct RecordingEntry {
   std::string name;
   Use use = Use::kIdentification;
-  int payload = -1;         // index into Study::payloads, -1: none
-  std::string q_file;       // resolved paths; equal unless signals are kept in separate files
+  int payload = -1;    // index into Study::payloads, -1: none
+  std::string q_file;  // resolved paths; equal unless signals are kept in separate files
   std::string signal_file;
-  std::string dq_file;      // empty: where q is
+  std::string dq_file;  // empty: where q is
   std::string ddq_file;
   // Zero-based half-open range of the data rows to use (key `rows`); absent: all.
   std::optional<std::pair<int, int>> rows;

@@ -1,0 +1,115 @@
+// Inverse dynamics, regressor and base columns of a 6R arm, a sample at a time; each with the largest relative
+// difference to the other route as its accuracy. `counter` in nanoseconds a sample.
+//
+// With two arguments it runs nothing but COUNT evaluations, for counting instructions from outside:
+//   dynamics_benchmark inverse_dynamics|regressor|none COUNT      (scripts: benchmarks/count_instructions.sh)
+
+#include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "core/dynamics/base_parameters.h"
+#include "core/dynamics/rigid_body_dynamics.h"
+#include "tests/support/random_arm.h"
+
+namespace {
+
+using Eigen::VectorXd;
+using RowMajorMatrix = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
+
+struct Fixture {
+  idim::Robot robot = idim::testing::Tx40();
+  idim::RigidBodyDynamics<double> dynamics{robot};
+  VectorXd q, dq, ddq, chi = VectorXd(60), tau = VectorXd(6);
+  std::vector<idim::InertialVector> bodies;
+  RowMajorMatrix w = RowMajorMatrix::Zero(6, 60);
+
+  Fixture() {
+    idim::testing::Random random(1);
+    for (int j = 0; j < 6; ++j) {
+      bodies.push_back(idim::testing::RandomBody(&random));
+      chi.segment<10>(10 * j) = bodies.back();
+    }
+    q = random.Vector(6, 3.0);
+    dq = random.Vector(6, 3.0);
+    ddq = random.Vector(6, 10.0);
+  }
+  void InverseDynamics() {
+    q[0] += 1e-3;
+    dynamics.InverseDynamics(q.data(), dq.data(), ddq.data(), bodies.data(), tau.data());
+  }
+  void Regressor() {
+    q[0] += 1e-3;
+    dynamics.Regressor(q.data(), dq.data(), ddq.data(), w.data());
+  }
+  double Error() {
+    dynamics.InverseDynamics(q.data(), dq.data(), ddq.data(), bodies.data(), tau.data());
+    dynamics.Regressor(q.data(), dq.data(), ddq.data(), w.data());
+    return (w * chi - tau).norm() / tau.norm();
+  }
+};
+
+void BM_InverseDynamics(benchmark::State& state) {
+  Fixture f;
+  for (auto unused : state) {
+    f.InverseDynamics();
+    benchmark::DoNotOptimize(f.tau.data());
+  }
+  state.counters["relative_error"] = f.Error();
+}
+BENCHMARK(BM_InverseDynamics);
+
+void BM_Regressor(benchmark::State& state) {
+  Fixture f;
+  for (auto unused : state) {
+    f.Regressor();
+    benchmark::DoNotOptimize(f.w.data());
+  }
+  state.counters["relative_error"] = f.Error();
+}
+BENCHMARK(BM_Regressor);
+
+// With drives and the 5-6 coupling: what identification evaluates.
+void BM_StandardModelRegressor(benchmark::State& state) {
+  Fixture f;
+  idim::StandardModel model(f.robot, idim::FrictionModel{});
+  RowMajorMatrix w(6, model.columns());
+  for (auto unused : state) {
+    f.q[0] += 1e-3;
+    model.Regressor(f.q.data(), f.dq.data(), f.ddq.data(), nullptr, w.data());
+    benchmark::DoNotOptimize(w.data());
+  }
+  const VectorXd chi = VectorXd::LinSpaced(model.columns(), -1.0, 1.0);
+  model.Torque(f.q.data(), f.dq.data(), f.ddq.data(), nullptr, chi, idim::InertialVector::Zero(), f.tau.data());
+  state.counters["relative_error"] = (w * chi - f.tau).norm() / f.tau.norm();
+}
+BENCHMARK(BM_StandardModelRegressor);
+
+void BM_BaseParameters(benchmark::State& state) {
+  for (auto unused : state) {
+    const idim::BaseParameters base{idim::StandardModel(idim::testing::Tx40(), idim::FrictionModel{})};
+    benchmark::DoNotOptimize(base.size());
+  }
+}
+BENCHMARK(BM_BaseParameters)->Unit(benchmark::kMillisecond);
+
+int RunForCounting(const std::string& what, long count) {
+  Fixture f;
+  for (long k = 0; k < count; ++k) {
+    if (what == "inverse_dynamics") f.InverseDynamics();
+    if (what == "regressor") f.Regressor();
+    benchmark::ClobberMemory();
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc == 3 && argv[1][0] != '-') return RunForCounting(argv[1], std::strtol(argv[2], nullptr, 10));
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

@@ -1,0 +1,135 @@
+#include "core/estimate/estimate.h"
+
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace idim {
+namespace {
+
+// Keys in the order of the contract.
+using Json = nlohmann::ordered_json;
+
+Json ToJson(const Eigen::VectorXd& v) { return Json(std::vector<double>(v.data(), v.data() + v.size())); }
+
+Json ToJson(const Eigen::MatrixXd& m) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < m.rows(); ++i) rows.push_back(ToJson(Eigen::VectorXd(m.row(i))));
+  return rows;
+}
+
+const char* StatusName(const Status& status) {
+  switch (status.code()) {
+    case StatusCode::kOk:
+      return "ok";
+    case StatusCode::kBadInput:
+      return "bad_input";
+    case StatusCode::kUntrusted:
+      return "untrusted";
+  }
+  return "";
+}
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 1, 2)))
+#endif
+std::string
+Format(const char* format, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof(text), format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+}  // namespace
+
+double ParameterEstimate::RelativeSigmaPercent() const {
+  return value == 0.0 ? std::numeric_limits<double>::infinity() : 100.0 * standard_deviation / std::abs(value);
+}
+
+void SetInterval95(double degrees_of_freedom, ParameterEstimate* estimate) {
+  const double t = boost::math::quantile(boost::math::students_t(degrees_of_freedom), 0.975);
+  estimate->interval95[0] = estimate->value - t * estimate->standard_deviation;
+  estimate->interval95[1] = estimate->value + t * estimate->standard_deviation;
+}
+
+std::string EstimateToJson(const Estimate& e) {
+  Json json;
+  json["schema"] = "idim.estimate.1";
+  json["status"] = StatusName(e.status);
+  json["message"] = e.status.message();
+  json["robot"] = e.robot;
+  json["estimator"] = e.estimator;
+  json["parameters"] = Json::array();
+  for (const ParameterEstimate& p : e.parameters) {
+    json["parameters"].push_back({{"name", p.parameter.name},
+                                  {"kind", ParameterKindName(p.parameter.kind)},
+                                  {"joint", p.parameter.joint},
+                                  {"value", p.value},
+                                  {"standard_deviation", p.standard_deviation},
+                                  {"relative_standard_deviation_percent", p.RelativeSigmaPercent()},
+                                  {"interval95", {p.interval95[0], p.interval95[1]}},
+                                  {"unit", p.parameter.unit},
+                                  {"regrouping", p.regrouping}});
+  }
+  json["covariance"] = ToJson(e.covariance);
+  json["eliminated"] = e.eliminated;
+  json["without_effect"] = e.without_effect;
+  json["noise"] = {{"position", ToJson(e.position_noise)}, {"signal", ToJson(e.signal_noise)}};
+  json["preprocessing"] = {{"cutoff_hz", e.cutoff_hz}, {"decimation", e.decimation}, {"reason", e.preprocessing}};
+  json["recordings"] = Json::array();
+  for (const RecordingFit& r : e.recordings) {
+    json["recordings"].push_back({{"name", r.name},
+                                  {"use", r.use},
+                                  {"samples", r.samples},
+                                  {"relative_error_percent", ToJson(r.relative_error_percent)},
+                                  {"relative_error_percent_all", r.relative_error_percent_all},
+                                  {"rms_torque", ToJson(r.rms_torque)},
+                                  {"rms_torque_unfiltered", ToJson(r.rms_torque_unfiltered)},
+                                  {"residual_lag1", ToJson(r.residual_lag1)}});
+  }
+  json["relative_error_percent"] = e.relative_error_percent;
+  json["condition_number"] = e.condition_number;
+  json["condition_number_weighted"] = e.condition_number_weighted;
+  json["seconds"] = e.seconds;
+  return json.dump(1) + "\n";
+}
+
+std::string EstimateToText(const Estimate& e) {
+  std::string text =
+      Format("%s, IDIM-%s\n%s\n\n", e.robot.c_str(), e.estimator == "ls" ? "LS" : "WLS", e.preprocessing.c_str());
+  text += "parameter      value       %std    95 % interval             unit        regroups\n";
+  for (const ParameterEstimate& p : e.parameters) {
+    text += Format("%-10s %+11.4e %9.2f    [%+.3e, %+.3e]  %-10s  %s\n", p.parameter.name.c_str(), p.value,
+                   p.RelativeSigmaPercent(), p.interval95[0], p.interval95[1], p.parameter.unit.c_str(), "");
+    if (!p.regrouping.empty()) text += "             = " + p.regrouping + "\n";
+  }
+  if (!e.eliminated.empty()) {
+    text += "\nnot essential, set to zero:";
+    for (const std::string& name : e.eliminated) text += " " + name;
+    text += "\n";
+  }
+  text += Format("\n%d parameters, cond(W) = %.0f (weighted %.0f), relative error |rho|/|Y| = %.2f %%\n",
+                 static_cast<int>(e.parameters.size()), e.condition_number, e.condition_number_weighted,
+                 e.relative_error_percent);
+  text += "\nrecording                    samples  relative error per joint, %\n";
+  for (const RecordingFit& r : e.recordings) {
+    text += Format("%-14s %-14s %6d ", r.name.c_str(), r.use.c_str(), r.samples);
+    for (const double error : r.relative_error_percent) text += Format(" %6.2f", error);
+    text += Format("   all %.2f\n", r.relative_error_percent_all);
+  }
+  text += "\n                                      RMS torque error against the unfiltered torque, N.m\n";
+  for (const RecordingFit& r : e.recordings) {
+    text += Format("%-14s %-14s        ", r.name.c_str(), r.use.c_str());
+    for (const double error : r.rms_torque_unfiltered) text += Format(" %6.3f", error);
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace idim

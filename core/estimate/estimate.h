@@ -1,0 +1,69 @@
+// The result of an identification, as estimate.json holds it (schema idim.estimate.1).
+
+#ifndef IDIM_CORE_ESTIMATE_ESTIMATE_H_
+#define IDIM_CORE_ESTIMATE_ESTIMATE_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/base/status.h"
+#include "core/dynamics/parameters.h"
+
+namespace idim {
+
+struct ParameterEstimate {
+  Parameter parameter;
+  double value = 0.0;
+  double standard_deviation = 0.0;
+  double interval95[2] = {0.0, 0.0};  // by Student's t with the residual's degrees of freedom
+  std::string regrouping;
+
+  // Eq. (11); inf where the value is zero.
+  double RelativeSigmaPercent() const;
+};
+
+// How well the model reproduces one recording. Vectors: one entry a joint; torque on the joint side.
+struct RecordingFit {
+  std::string name;
+  std::string use;                         // "identification" or "validation"
+  int samples = 0;                         // decimated
+  Eigen::VectorXd relative_error_percent;  // 100 |Y_j - W_j chi| / |Y_j|, decimated, as in the paper's Table VI
+  double relative_error_percent_all = 0.0;
+  Eigen::VectorXd rms_torque;             // [N m or N] of the decimated residual
+  Eigen::VectorXd rms_torque_unfiltered;  // of the unfiltered torque less the model, at the recorded rate
+  Eigen::VectorXd residual_lag1;          // autocorrelation of the decimated residual at lag 1: 0 if white
+};
+
+struct Estimate {
+  Status status;
+  std::string robot;
+  std::string estimator;
+  std::vector<ParameterEstimate> parameters;
+  Eigen::MatrixXd covariance;               // in the order of `parameters`
+  std::vector<std::string> eliminated;      // not essential, set to zero
+  std::vector<std::string> without_effect;  // standard parameters that no torque depends on
+  Eigen::VectorXd position_noise;           // [rad or m] a sample, joint side
+  Eigen::VectorXd signal_noise;             // [signal unit] a sample
+  std::vector<RecordingFit> recordings;
+  double condition_number = -1.0;
+  double condition_number_weighted = -1.0;
+  double relative_error_percent = -1.0;  // of all identification recordings together, the paper's |rho| / |Y|
+  double cutoff_hz = 0.0;
+  int decimation = 0;
+  std::string preprocessing;  // how the cut-off and the decimation were chosen
+  double seconds = 0.0;
+};
+
+// Deterministic but for "seconds".
+std::string EstimateToJson(const Estimate& estimate);
+
+// The text of the console: the paper's Table I with intervals, then the errors a recording.
+std::string EstimateToText(const Estimate& estimate);
+
+// value +- t(0.975, degrees_of_freedom) * standard deviation.
+void SetInterval95(double degrees_of_freedom, ParameterEstimate* estimate);
+
+}  // namespace idim
+
+#endif  // IDIM_CORE_ESTIMATE_ESTIMATE_H_

@@ -1,0 +1,225 @@
+#include "core/estimate/identification_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <utility>
+
+#include "core/report/report.h"
+
+namespace idim {
+namespace {
+
+std::string Text(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof(text), format, value);
+  return text;
+}
+
+std::string JointTitle(Eigen::Index joint) { return "joint " + std::to_string(joint + 1); }
+
+// Colours by place, for what is compared side by side.
+SeriesColor ColorOf(size_t k) {
+  static constexpr SeriesColor kColors[] = {SeriesColor::kModel, SeriesColor::kMeasured, SeriesColor::kOrange,
+                                            SeriesColor::kTeal,  SeriesColor::kPurple,   SeriesColor::kResidual};
+  return kColors[k % std::size(kColors)];
+}
+
+std::string EstimatorTitle(const Estimate& e) { return e.estimator == "ls" ? "IDIM-LS" : "IDIM-WLS"; }
+
+Section Summary(const Estimate& e) {
+  Section section;
+  section.title = "Summary";
+  KeyValues facts;
+  facts.entries = {{"estimator", EstimatorTitle(e)},
+                   {"base parameters", std::to_string(e.parameters.size())},
+                   {"relative error |ρ| / |Y|", Text("%.2f %%", e.relative_error_percent)},
+                   {"condition number of W", Text("%.0f", e.condition_number)},
+                   {"of the weighted W", Text("%.0f", e.condition_number_weighted)},
+                   {"filter", e.preprocessing}};
+  section.blocks.emplace_back(facts);
+
+  Table errors;
+  errors.caption = "Relative error per joint on the decimated samples, %, and autocorrelation of the residual";
+  errors.columns = {{"recording"}, {"use"}, {"samples", Table::Align::kRight}};
+  const Eigen::Index n = e.recordings.empty() ? 0 : e.recordings[0].rms_torque.size();
+  for (Eigen::Index j = 0; j < n; ++j) errors.columns.push_back({JointTitle(j), Table::Align::kNumber});
+  errors.columns.push_back({"all", Table::Align::kNumber});
+  double lag1 = 0.0;
+  BarFigure bars;
+  bars.title = "Relative error per joint";
+  bars.y_title = "relative error [%]";
+  for (Eigen::Index j = 0; j < n; ++j) bars.categories.push_back(JointTitle(j));
+  for (const RecordingFit& r : e.recordings) {
+    std::vector<std::string> row = {r.name, r.use, std::to_string(r.samples)};
+    for (const double error : r.relative_error_percent) row.push_back(Text("%.2f", error));
+    row.push_back(Text("%.2f", r.relative_error_percent_all));
+    errors.rows.push_back(std::move(row));
+    bars.sets.push_back({r.name, r.relative_error_percent, ColorOf(bars.sets.size())});
+    if (r.use == "identification") lag1 = std::max(lag1, r.residual_lag1.maxCoeff());
+  }
+  errors.caption = "Relative error per joint on the decimated samples, %";
+  section.blocks.emplace_back(std::move(errors));
+  section.blocks.emplace_back(FigureGrid{2, {bars}});
+  if (lag1 > 0.2) {
+    section.blocks.emplace_back(Paragraph{
+        "The residual is correlated in time (lag-1 autocorrelation up to " + Text("%.2f", lag1) +
+            "): the model lacks effects that last longer than a sample, and the intervals below, which assume "
+            "white residuals, are too short.",
+        Paragraph::Kind::kWarning});
+  }
+  return section;
+}
+
+Section Parameters(const Estimate& e, const std::vector<Reference>& references) {
+  Section section;
+  section.title = "Parameters";
+  Table table;
+  table.columns = {{"parameter"},
+                   {"value", Table::Align::kNumber},
+                   {"% σ", Table::Align::kNumber},
+                   {"95 % from", Table::Align::kNumber},
+                   {"to", Table::Align::kNumber},
+                   {"unit"}};
+  for (const Reference& reference : references) {
+    table.columns.push_back({reference.name, Table::Align::kNumber});
+    table.columns.push_back({"difference in σ", Table::Align::kNumber});
+  }
+  table.columns.push_back({"regroups"});
+  for (size_t k = 0; k < e.parameters.size(); ++k) {
+    const ParameterEstimate& p = e.parameters[k];
+    std::vector<std::string> row = {p.parameter.name,
+                                    Text("%.4g", p.value),
+                                    Text("%.2f", p.RelativeSigmaPercent()),
+                                    Text("%.4g", p.interval95[0]),
+                                    Text("%.4g", p.interval95[1]),
+                                    p.parameter.unit};
+    for (const Reference& reference : references) {
+      const Reference::Entry* entry = reference.Find(p.parameter.name);
+      row.push_back(entry == nullptr ? "" : Text("%.4g", entry->value));
+      row.push_back(entry == nullptr ? "" : Text("%+.1f", DifferenceInSigmas(p, *entry)));
+    }
+    row.push_back(p.regrouping);
+    table.rows.push_back(std::move(row));
+    if (p.interval95[0] < 0.0 && p.interval95[1] > 0.0) table.muted_rows.push_back(static_cast<int>(k));
+  }
+  table.caption = "Pale rows: the interval holds zero, the data do not tell the sign.";
+  section.blocks.emplace_back(std::move(table));
+  if (!e.eliminated.empty()) {
+    std::string names;
+    for (const std::string& name : e.eliminated) names += " " + name;
+    section.blocks.emplace_back(Paragraph{"Not essential, set to zero:" + names});
+  }
+
+  IntervalFigure figure;
+  figure.title = "Estimates and 95 % intervals, divided by the estimate";
+  figure.value_title = "relative to the estimate";
+  figure.scale = IntervalFigure::Scale::kRelativeToFirst;
+  figure.limits = std::make_pair(-1.0, 3.0);
+  const Eigen::Index count = static_cast<Eigen::Index>(e.parameters.size());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto blank = [&] { return Eigen::VectorXd::Constant(count, nan).eval(); };
+  IntervalFigure::Estimates own{EstimatorTitle(e), blank(), blank(), blank(), ColorOf(0)};
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const ParameterEstimate& p = e.parameters[k];
+    figure.parameters.push_back(p.parameter.name);
+    own.value[k] = p.value;
+    own.lower[k] = p.interval95[0];
+    own.upper[k] = p.interval95[1];
+  }
+  figure.sets.push_back(std::move(own));
+  for (const Reference& reference : references) {
+    IntervalFigure::Estimates set{reference.name, blank(), blank(), blank(), ColorOf(figure.sets.size())};
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Reference::Entry* entry = reference.Find(figure.parameters[k]);
+      if (entry == nullptr) continue;
+      set.value[k] = entry->value;
+      if (entry->standard_deviation == 0.0) continue;
+      set.lower[k] = entry->value - 1.96 * entry->standard_deviation;
+      set.upper[k] = entry->value + 1.96 * entry->standard_deviation;
+    }
+    figure.sets.push_back(std::move(set));
+  }
+  section.blocks.emplace_back(FigureGrid{1, {figure}});
+  return section;
+}
+
+Section Torques(const RecordingSeries& s) {
+  Section section;
+  section.title = "Torque in " + s.name + " (" + s.use + ")";
+  FigureGrid grid;
+  for (Eigen::Index j = 0; j < s.torque.cols(); ++j) {
+    TimeFigure figure;
+    figure.title = JointTitle(j);
+    figure.y_title = "torque [N m]";
+    figure.t = s.t;
+    figure.traces = {{"measured", s.torque.col(j), SeriesColor::kMeasured},
+                     {"model", s.model.col(j), SeriesColor::kModel}};
+    figure.link = "torque " + s.name;
+    grid.figures.emplace_back(std::move(figure));
+  }
+  section.blocks.emplace_back(
+      Paragraph{"Unfiltered measured torque and the model's, joint side. Drag over a time range to "
+                "zoom all joints together."});
+  section.blocks.emplace_back(std::move(grid));
+  return section;
+}
+
+Section ResidualsOverTime(const RecordingSeries& s) {
+  Section section;
+  section.title = "Residual over time in " + s.name;
+  FigureGrid grid;
+  for (Eigen::Index j = 0; j < s.torque.cols(); ++j) {
+    TimeFigure figure;
+    figure.title = JointTitle(j);
+    figure.y_title = "residual [N m]";
+    figure.t = s.decimated_t;
+    figure.traces = {{"residual", s.decimated_torque.col(j) - s.decimated_model.col(j), SeriesColor::kResidual}};
+    figure.link = "residual " + s.name;
+    grid.figures.emplace_back(std::move(figure));
+  }
+  section.blocks.emplace_back(std::move(grid));
+  return section;
+}
+
+Section ResidualsOverVelocity(const std::vector<RecordingSeries>& series) {
+  Section section;
+  section.title = "Residual over velocity";
+  FigureGrid grid;
+  const Eigen::Index n = series.empty() ? 0 : series[0].torque.cols();
+  for (Eigen::Index j = 0; j < n; ++j) {
+    ScatterFigure figure;
+    figure.title = JointTitle(j);
+    figure.x_title = "velocity [rad/s]";
+    figure.y_title = "residual [N m]";
+    for (size_t k = 0; k < series.size(); ++k) {
+      const RecordingSeries& s = series[k];
+      figure.sets.push_back(
+          {s.name, s.decimated_dq.col(j), s.decimated_torque.col(j) - s.decimated_model.col(j), ColorOf(k)});
+    }
+    grid.figures.emplace_back(std::move(figure));
+  }
+  section.blocks.emplace_back(
+      Paragraph{"A curve here is friction that the declared model lacks; a fan is torque or position "
+                "that it depends on."});
+  section.blocks.emplace_back(std::move(grid));
+  return section;
+}
+
+}  // namespace
+
+std::string RenderIdentificationReport(const Estimate& estimate, const std::vector<RecordingSeries>& series,
+                                       const std::vector<Reference>& references) {
+  Report report;
+  report.title = estimate.robot;
+  report.subtitle = "Dynamic parameters by " + EstimatorTitle(estimate);
+  report.sections.push_back(Summary(estimate));
+  for (const RecordingSeries& s : series) report.sections.push_back(Torques(s));
+  report.sections.push_back(Parameters(estimate, references));
+  for (const RecordingSeries& s : series) report.sections.push_back(ResidualsOverTime(s));
+  report.sections.push_back(ResidualsOverVelocity(series));
+  return RenderReport(report);
+}
+
+}  // namespace idim

@@ -1,0 +1,94 @@
+#include "core/estimate/reference.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/base/file.h"
+
+namespace idim {
+namespace {
+
+using Json = nlohmann::json;
+
+// The number under `key`, or a message.
+Result<double> Number(const Json& entry, const char* key, const std::string& where) {
+  const auto found = entry.find(key);
+  if (found == entry.end() || !found->is_number()) {
+    return Status::BadInput(where + ": key '" + key + "': expected a number");
+  }
+  return found->get<double>();
+}
+
+}  // namespace
+
+const Reference::Entry* Reference::Find(const std::string& parameter) const {
+  for (const Entry& entry : parameters) {
+    if (entry.name == parameter) return &entry;
+  }
+  return nullptr;
+}
+
+Result<Reference> ReadReference(const std::string& path) {
+  Result<std::string> text = ReadFile(path);
+  if (!text.ok()) return text.status();
+  const Json json = Json::parse(*text, nullptr, false);
+  if (json.is_discarded() || !json.is_object()) {
+    return Status::BadInput(path + ": not a JSON object; expected a file in the format of estimate.json");
+  }
+  Reference reference;
+  reference.name = json.value("name", json.value("estimator", path));
+  const auto parameters = json.find("parameters");
+  if (parameters == json.end() || !parameters->is_array() || parameters->empty()) {
+    return Status::BadInput(path + ": key 'parameters': expected a list of {name, value, standard_deviation}");
+  }
+  for (size_t k = 0; k < parameters->size(); ++k) {
+    const Json& entry = (*parameters)[k];
+    const std::string where = path + ": parameters[" + std::to_string(k) + "]";
+    if (!entry.is_object() || !entry.contains("name") || !entry["name"].is_string()) {
+      return Status::BadInput(where + ": key 'name': expected the name of a parameter, such as \"ZZ1R\"");
+    }
+    Reference::Entry parsed;
+    parsed.name = entry["name"].get<std::string>();
+    const Result<double> value = Number(entry, "value", where);
+    if (!value.ok()) return value.status();
+    parsed.value = *value;
+    if (entry.contains("standard_deviation")) {
+      const Result<double> sigma = Number(entry, "standard_deviation", where);
+      if (!sigma.ok()) return sigma.status();
+      parsed.standard_deviation = *sigma;
+    }
+    reference.parameters.push_back(std::move(parsed));
+  }
+  return reference;
+}
+
+double DifferenceInSigmas(const ParameterEstimate& estimate, const Reference::Entry& reference) {
+  const double sigma = std::hypot(estimate.standard_deviation, reference.standard_deviation);
+  return sigma > 0.0 ? (estimate.value - reference.value) / sigma : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string BesideReference(const Estimate& estimate, const Reference& reference) {
+  std::string text = "beside: " + reference.name + "\nparameter     estimate      %std     reference     %std  " +
+                     "difference, %   in standard deviations\n";
+  for (const ParameterEstimate& p : estimate.parameters) {
+    const Reference::Entry* entry = reference.Find(p.parameter.name);
+    if (entry == nullptr) continue;
+    char line[256];
+    std::snprintf(line, sizeof(line), "%-10s %+11.3e %8.2f   %+11.3e %8.2f  %+12.1f   %+10.1f\n",
+                  p.parameter.name.c_str(), p.value, p.RelativeSigmaPercent(), entry->value,
+                  100.0 * entry->standard_deviation / std::abs(entry->value),
+                  100.0 * (p.value - entry->value) / std::abs(entry->value), DifferenceInSigmas(p, *entry));
+    text += line;
+  }
+  for (const Reference::Entry& entry : reference.parameters) {
+    bool found = false;
+    for (const ParameterEstimate& p : estimate.parameters) found |= p.parameter.name == entry.name;
+    if (!found) text += "only there: " + entry.name + "\n";
+  }
+  return text;
+}
+
+}  // namespace idim

@@ -1,0 +1,92 @@
+#include "core/observation/prepared_study.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/signal/choose_preprocessing.h"
+#include "core/signal/encoder_noise.h"
+#include "core/signal/state_covariance.h"
+
+namespace idim {
+namespace {
+
+// Root mean square over the identification recordings, weighted by their samples.
+Result<Eigen::VectorXd> PositionNoise(const PreparedStudy& prepared) {
+  if (prepared.study.position_noise.size() > 0) return prepared.study.position_noise;
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(prepared.study.robot.dof());
+  double samples = 0.0;
+  for (const PreparedRecording& r : prepared.recordings) {
+    if (r.entry.use != Use::kIdentification) continue;
+    const Result<EncoderNoise> noise = EstimateEncoderNoise(r.recording, prepared.preprocessing, r.states);
+    if (!noise.ok()) return noise.status();
+    squares += noise->sigma.cwiseAbs2() * r.recording.samples();
+    samples += r.recording.samples();
+  }
+  return Eigen::VectorXd((squares / samples).cwiseSqrt());
+}
+
+// A joint that stands still in every identification recording, as far as its encoder can tell.
+Status CheckMotion(const PreparedStudy& prepared) {
+  for (int j = 0; j < prepared.study.robot.dof(); ++j) {
+    double range = 0.0;
+    std::string files;
+    for (const PreparedRecording& r : prepared.recordings) {
+      if (r.entry.use != Use::kIdentification) continue;
+      const auto q = r.states.q.col(j);
+      range = std::max(range, q.maxCoeff() - q.minCoeff());
+      files += (files.empty() ? "" : ", ") + r.entry.q_file;
+    }
+    // The filtered noise of a joint at rest spans about ten of its standard deviations.
+    if (range > 20.0 * prepared.position_noise[j]) continue;
+    const std::string name = std::to_string(j + 1);
+    return Status::Untrusted(files + ": joint " + name + " never moves (column 'q" + name + "'), so Ia" + name +
+                             ", Fv" + name + ", Fs" + name +
+                             " and what its motion excites cannot be identified; expected at least one identification "
+                             "recording in which it moves");
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+Result<PreparedStudy> PrepareStudy(const Study& study) {
+  PreparedStudy prepared{study, BaseParameters(StandardModel(study.robot, study.friction)), {}, {}, {}, {}};
+  std::vector<Recording> recordings;
+  for (const RecordingEntry& entry : study.recordings) {
+    Result<Recording> recording = ReadRecording(study, entry);
+    if (!recording.ok()) return recording.status();
+    recordings.push_back(std::move(recording).value());
+  }
+  // Validation recordings are filtered alike, but have no say in how.
+  std::vector<const Recording*> identification;
+  for (size_t k = 0; k < recordings.size(); ++k) {
+    if (study.recordings[k].use == Use::kIdentification) identification.push_back(&recordings[k]);
+  }
+  Result<Preprocessing> preprocessing = ChoosePreprocessing(identification, study.preprocessing);
+  if (!preprocessing.ok()) return preprocessing.status();
+  prepared.preprocessing = *preprocessing;
+
+  for (size_t k = 0; k < recordings.size(); ++k) {
+    Result<JointStates> states = EstimateJointStates(recordings[k], prepared.preprocessing);
+    if (!states.ok()) return states.status();
+    Result<Decimator> decimator = MakeDecimator(recordings[k], prepared.preprocessing);
+    if (!decimator.ok()) return decimator.status();
+    prepared.recordings.push_back(
+        {study.recordings[k], std::move(recordings[k]), std::move(states).value(), std::move(decimator).value()});
+  }
+
+  Result<Eigen::VectorXd> noise = PositionNoise(prepared);
+  if (!noise.ok()) return noise.status();
+  prepared.position_noise = *noise;
+  if (Status status = CheckMotion(prepared); !status.ok()) return status;
+
+  const PreparedRecording& first = prepared.recordings[0];
+  const Result<StateCovariance> covariance =
+      StateCovariance::Create(first.recording.t, prepared.preprocessing, first.decimator);
+  if (!covariance.ok()) return covariance.status();
+  prepared.velocity_sigma = prepared.position_noise * std::sqrt(covariance->full_rate()(1, 1));
+  return prepared;
+}
+
+}  // namespace idim

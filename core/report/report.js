@@ -33,7 +33,9 @@ function samples(index) {
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
   const width = {f4: 4, f8: 8}[element.dataset.type];
-  if (bytes.length !== count * width) throw new Error(`samples ${index}: ${bytes.length} bytes, not ${count} samples`);
+  if (bytes.length !== count * width) {
+    throw new Error(`samples ${index}: ${bytes.length} bytes for ${count} samples`);
+  }
   const view = new DataView(bytes.buffer);
   const values = new Float64Array(count);
   for (let i = 0; i < count; ++i) {
@@ -92,7 +94,9 @@ function base(spec) {
       textStyle: {color: ink, fontSize: 12}, data: spec.series.map((s) => s.name),
     },
     tooltip: {confine: true, textStyle: {color: ink, fontSize: 12}, padding: [4, 8]},
-    toolbox: {right: 6, top: -12, itemSize: 13, feature: {saveAsImage: {title: 'save', name: spec.title, pixelRatio: 2}}},
+    toolbox: {
+      right: 6, top: -12, itemSize: 13, feature: {saveAsImage: {title: 'save', name: spec.title, pixelRatio: 2}},
+    },
     grid: {left: 14, right: 16, top: 34, bottom: 10, outerBoundsMode: 'same', outerBoundsContain: 'all'},
   };
 }
@@ -232,7 +236,7 @@ const options = {
       return {
         type: 'bar', name: s.name, data: s.value, barMaxWidth: 42,
         label: {show: true, position: 'top', color: ink, fontSize: 11,
-          formatter: (hit) => String(Number(hit.value.toPrecision(3)))},
+          formatter: (hit) => (hit.value === null ? '' : String(Number(hit.value.toPrecision(3))))},
         labelLayout: {hideOverlap: true},
       };
     });

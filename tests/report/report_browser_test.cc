@@ -90,6 +90,9 @@ TEST_F(ReportBrowserTest, DrawsAcrossGapsAndWithoutIntervals) {
   TimeFigure gaps = Ramp();
   gaps.traces[0].value.segment(30, 40).setConstant(std::numeric_limits<double>::quiet_NaN());
   EXPECT_TRUE(Open(RenderReport(OneFigure(gaps))).AllDrawn());
+  BarFigure bars{"bars", "joint", "error [%]", {"1", "2"}, {}};
+  bars.sets = {{"identification", Eigen::Vector2d(std::numeric_limits<double>::quiet_NaN(), 7.5), SeriesColor::kModel}};
+  EXPECT_TRUE(Open(RenderReport(OneFigure(bars))).AllDrawn());
   const Eigen::VectorXd none = Eigen::VectorXd::Constant(2, std::numeric_limits<double>::quiet_NaN());
   IntervalFigure points{"points", "value", {"a", "b"}, {{"published", Eigen::Vector2d(1.0, 2.0), none, none}}};
   EXPECT_TRUE(Open(RenderReport(OneFigure(points))).AllDrawn());

@@ -12,7 +12,6 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <regex>
 #include <string>
 #include <vector>
 
@@ -67,7 +66,9 @@ inline Result<DrawnReport> OpenReport(const std::string& chromium, const std::fi
   const fs::path dom = fs::path(scratch) / "dom.html";
   const fs::path log = fs::path(scratch) / "log.txt";
   const auto quoted = [](const std::string& text) {
-    return "'" + std::regex_replace(text, std::regex("'"), "'\\''") + "'";
+    std::string shell = "'";
+    for (const char c : text) shell += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return shell + "'";
   };
   const std::string command = "timeout -k 5 120 " + quoted(chromium) +
                               " --headless --no-sandbox --disable-gpu --disable-quic --no-first-run"
@@ -93,9 +94,8 @@ inline Result<DrawnReport> OpenReport(const std::string& chromium, const std::fi
     return Status::BadInput("no <html> in " + report.string());
   const std::string html_tag = page.substr(open, close - open);
   const auto number = [&html_tag](const std::string& attribute) {
-    std::smatch match;
-    const bool found = std::regex_search(html_tag, match, std::regex(attribute + "=\"([0-9]+)\""));
-    return found ? std::stoi(match[1]) : -1;
+    const std::size_t at = html_tag.find(attribute + "=\"");
+    return at == std::string::npos ? -1 : std::atoi(html_tag.c_str() + at + attribute.size() + 2);
   };
   DrawnReport drawn;
   drawn.figures_expected = number("data-figures-expected");

@@ -5,35 +5,43 @@
 //   dynamics_benchmark inverse_dynamics|regressor|none COUNT      (scripts: benchmarks/count_instructions.sh)
 
 #include <benchmark/benchmark.h>
+#include <glog/logging.h>
 
 #include <cstdlib>
 #include <string>
 
 #include "core/dynamics/base_parameters.h"
 #include "core/dynamics/rigid_body_dynamics.h"
-#include "tests/support/random_arm.h"
+#include "core/robot/robot_reader.h"
 
 namespace {
 
 using Eigen::VectorXd;
 using RowMajorMatrix = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
 
+// The Staubli TX-40, with its 5-6 coupling.
+idim::Robot Tx40() {
+  idim::Result<idim::Robot> robot = idim::ReadRobot(IDIM_SOURCE_DIR "/datasets/tx40/robot.yaml");
+  CHECK(robot.ok()) << robot.status().message();
+  return *robot;
+}
+
 struct Fixture {
-  idim::Robot robot = idim::testing::Tx40();
+  idim::Robot robot = Tx40();
   idim::RigidBodyDynamics<double> dynamics{robot};
   VectorXd q, dq, ddq, chi = VectorXd(60), tau = VectorXd(6);
   std::vector<idim::InertialVector> bodies;
   RowMajorMatrix w = RowMajorMatrix::Zero(6, 60);
 
   Fixture() {
-    idim::testing::Random random(1);
     for (int j = 0; j < 6; ++j) {
-      bodies.push_back(idim::testing::RandomBody(&random));
+      bodies.push_back(idim::InertialFromCentreOfMass(6.0 - j, Eigen::Vector3d(0.1, 0.02 * j, -0.05),
+                                                      Eigen::Vector3d(0.1, 0.08, 0.05).asDiagonal()));
       chi.segment<10>(10 * j) = bodies.back();
     }
-    q = random.Vector(6, 3.0);
-    dq = random.Vector(6, 3.0);
-    ddq = random.Vector(6, 10.0);
+    q = VectorXd::LinSpaced(6, -2.0, 2.7);
+    dq = VectorXd::LinSpaced(6, 3.0, -1.9);
+    ddq = VectorXd::LinSpaced(6, -7.0, 9.0);
   }
   void InverseDynamics() {
     q[0] += 1e-3;
@@ -88,7 +96,7 @@ BENCHMARK(BM_StandardModelRegressor);
 
 void BM_BaseParameters(benchmark::State& state) {
   for (auto unused : state) {
-    const idim::BaseParameters base{idim::StandardModel(idim::testing::Tx40(), idim::FrictionModel{})};
+    const idim::BaseParameters base{idim::StandardModel(Tx40(), idim::FrictionModel{})};
     benchmark::DoNotOptimize(base.size());
   }
 }

@@ -1,0 +1,20 @@
+#include "core/simulation/random.h"
+
+#include <cmath>
+
+namespace idim {
+
+Random::Random(std::uint64_t seed, std::uint32_t stream) {
+  std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), stream};
+  engine_.seed(sequence);
+}
+
+double Random::Uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
+
+double Random::Normal() {
+  constexpr double kTwoPi = 6.283185307179586476925;
+  const double radius = std::sqrt(-2.0 * std::log(1.0 - Uniform()));  // 1 - u is never 0
+  return radius * std::cos(kTwoPi * Uniform());
+}
+
+}  // namespace idim

@@ -27,7 +27,7 @@ bool IsPlainName(const std::string& name) {
   });
 }
 
-void ReadParameters(YamlFile* file, const YAML::Node& node, Scenario* scenario) {
+void ReadParameterList(YamlFile* file, const YAML::Node& node, Scenario* scenario) {
   const StandardModel model(scenario->robot, FrictionModel());
   scenario->chi = Eigen::VectorXd::Zero(model.columns());
   const int n = scenario->robot.dof();
@@ -54,6 +54,25 @@ void ReadParameters(YamlFile* file, const YAML::Node& node, Scenario* scenario) 
       scenario->chi[columns[name]] = file->Number(entry.second, KeyPath(key, name));
     }
   }
+}
+
+// The list itself, or the path of a file that holds it.
+Status ReadParameters(YamlFile* file, const YAML::Node& node, Scenario* scenario) {
+  if (!file->ok() || !node.IsScalar()) {
+    ReadParameterList(file, node, scenario);
+    return file->status();
+  }
+  const std::string path = ResolvePath(FolderOf(file->path()), node.Scalar());
+  if (!IsRegularFile(path)) {
+    file->Fail(node, "parameters", "there is no file " + path, "a list of mappings, one a link, or a file with it");
+    return file->status();
+  }
+  YamlFile other(path);
+  if (other.Map(other.root(), "", {"parameters"}) &&
+      other.Require(other.root(), "", "parameters", "a list of mappings, one a link")) {
+    ReadParameterList(&other, other.root()["parameters"], scenario);
+  }
+  return other.status();
 }
 
 void ReadPayloads(YamlFile* file, const YAML::Node& node, Scenario* scenario) {
@@ -209,7 +228,8 @@ Result<Scenario> ReadScenario(const std::string& yaml_path) {
   if (!robot_read.ok()) return robot_read.status();
   scenario.robot = std::move(robot_read).value();
 
-  ReadParameters(&file, root["parameters"], &scenario);
+  const Status parameters = ReadParameters(&file, root["parameters"], &scenario);
+  if (!parameters.ok()) return parameters;
   ReadPayloads(&file, root["payloads"], &scenario);
   ReadGains(&file, root["gains"], &scenario);
   for (const auto& [name, side] :

@@ -32,7 +32,7 @@ std::string RenderParameters(const idim::StandardModel& model, const idim::Plaus
       const idim::Parameter& parameter = model.parameters()[c];
       if (parameter.joint != link) continue;
       const std::string key = parameter.name.substr(0, parameter.name.size() - std::to_string(link).size());
-      items.push_back(key + ": " + Number("%.6g", summary.chi[c]));
+      items.push_back(key + ": " + Number("%.6g", summary.chi[c] + 0.0));  // + 0.0: no "-0"
     }
     text += "  - {" + idim::Join(items, ", ") + "}  # link " + std::to_string(link) + "\n";
   }

@@ -83,7 +83,7 @@ PlausibleSummary FindPlausibleParameters(const BaseParameters& base, const Plaus
 
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = 500;
+  options.max_num_iterations = 2000;
   options.function_tolerance = 1e-14;
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-12;

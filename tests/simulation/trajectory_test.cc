@@ -132,6 +132,30 @@ TEST(PointToPoint, ReachesEveryLimitThatTheDistanceAllows) {
   EXPECT_LT(peaks.acceleration, 9.0);
 }
 
+TEST(PointToPoint, SpeedScalesTheVelocityLimitOnly) {
+  PointToPointOptions options;
+  options.limits = TwoJointLimits();
+  options.via = {Eigen::Vector2d(-3.0, 0.0), Eigen::Vector2d(3.0, 0.0)};
+  options.speed_min = options.speed_max = 0.4;
+  const auto trajectory = Make(options);
+  EXPECT_NEAR(trajectory->duration(), 6.0 / (0.4 * 4.0) + 0.4 * 4.0 / 30.0 + 30.0 / 600.0, 1e-12);
+  EXPECT_NEAR(trajectory->At(trajectory->duration() / 2).dq[0], 0.4 * 4.0, 1e-12);
+}
+
+TEST(PointToPoint, SpeedsAreDrawnBetweenTheirBounds) {
+  const auto duration = [](double speed_min, double speed_max) {
+    PointToPointOptions options;
+    options.limits = TwoJointLimits();
+    for (int k = 0; k < 41; ++k) options.via.push_back(Eigen::Vector2d(k % 2 == 0 ? -3.0 : 3.0, 0.0));
+    options.speed_min = speed_min;
+    options.speed_max = speed_max;
+    return Make(options)->duration();
+  };
+  const double fast = duration(1.0, 1.0), slow = duration(0.25, 0.25), mixed = duration(0.25, 1.0);
+  // The mean of 1/s is (ln 4) / 0.75 = 1.85 between 1 and 4, its deviation over 40 motions 0.13.
+  EXPECT_NEAR((mixed - fast) / (slow - fast), 0.85 / 3.0, 5.0 * 0.13 / 3.0);
+}
+
 TEST(PointToPoint, JointsAreSynchronisedAndStopAtEveryPoint) {
   PointToPointOptions options;
   options.limits = TwoJointLimits();

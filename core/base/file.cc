@@ -67,10 +67,11 @@ std::string ResolvePath(const std::string& folder, const std::string& path) {
 
 Status WriteFiles(const std::string& directory, const std::vector<OutputFile>& files) {
   std::error_code error;
+  fs::path deepest = fs::absolute(directory, error).lexically_normal();
+  if (!deepest.has_filename()) deepest = deepest.parent_path();  // a trailing slash
   // The topmost folder that this call creates, to take it away again on failure.
   fs::path created;
-  for (fs::path folder = fs::absolute(directory).lexically_normal(); !folder.empty() && !fs::exists(folder, error);
-       folder = folder.parent_path()) {
+  for (fs::path folder = deepest; !folder.empty() && !fs::exists(folder, error); folder = folder.parent_path()) {
     created = folder;
   }
   fs::create_directories(directory, error);
@@ -98,8 +99,7 @@ Status WriteFiles(const std::string& directory, const std::vector<OutputFile>& f
   if (!status.ok()) {
     for (const OutputFile& file : files) fs::remove(temporary(file), error);
     // Only folders that this call made, and only while they are empty.
-    for (fs::path folder = fs::absolute(directory).lexically_normal(); !created.empty();
-         folder = folder.parent_path()) {
+    for (fs::path folder = deepest; !created.empty(); folder = folder.parent_path()) {
       if (!fs::remove(folder, error) || folder == created) break;
     }
   }

@@ -1,8 +1,11 @@
 #include "core/base/yaml.h"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
@@ -27,6 +30,37 @@ const char* KindOf(const YAML::Node& node) {
 // yaml-cpp marks quoted scalars with the tag "!": a quoted number is text.
 bool IsQuoted(const YAML::Node& node) { return node.IsScalar() && node.Tag() == "!"; }
 
+// Remembers where the last document started and nothing else.
+class DocumentStart : public YAML::EventHandler {
+ public:
+  int line() const { return line_; }
+
+  void OnDocumentStart(const YAML::Mark& mark) override { line_ = mark.line; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+ private:
+  int line_ = -1;
+};
+
+// The zero-based line where something follows the first document, -1 if nothing does. YAML::Load drops what follows
+// without a word, and YAML::LoadAll (0.7) never ends on some texts that are no YAML.
+int LineAfterFirstDocument(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentStart start;
+  parser.HandleNextDocument(start);
+  if (!parser) return -1;
+  parser.HandleNextDocument(start);
+  return start.line();
+}
+
 }  // namespace
 
 std::string KeyPath(const std::string& parent, const std::string& key) {
@@ -42,13 +76,13 @@ YamlFile::YamlFile(const std::string& path) : path_(path) {
     return;
   }
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(*text);
-    if (documents.empty() || documents[0].IsNull()) {
+    root_.reset(YAML::Load(*text));
+    const int line = LineAfterFirstDocument(*text);
+    if (line >= 0) {
+      status_ = Status::BadInput(path + ":" + std::to_string(line + 1) +
+                                 ": more follows the first document; expected one mapping of keys");
+    } else if (root_.IsNull()) {
       status_ = Status::BadInput(path + ":1: the file is empty; expected a mapping of keys");
-    } else if (documents.size() > 1) {
-      status_ = Status::BadInput(path + ": holds " + std::to_string(documents.size()) + " documents; expected one");
-    } else {
-      root_.reset(documents[0]);
     }
   } catch (const YAML::Exception& error) {
     status_ = Status::BadInput(path + ":" + std::to_string(error.mark.line + 1) + ": not valid YAML: " + error.msg +

@@ -74,7 +74,9 @@ class RecordingReader {
 
   Status ChooseSignal() {
     const SourceFile& file = SignalFile();
-    const bool tau = DeclaredAny("tau") || (!DeclaredAny("v") && !InHeader(file, "v1") && InHeader(file, "tau1"));
+    const bool tau = entry_.signal_kind.empty()
+                         ? DeclaredAny("tau") || (!DeclaredAny("v") && !InHeader(file, "v1") && InHeader(file, "tau1"))
+                         : entry_.signal_kind == "tau";
     if (!tau) return Status::Ok();
     signal_ = "tau";
     recording_.signal_is_torque = true;

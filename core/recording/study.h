@@ -42,6 +42,8 @@ struct RecordingEntry {
   std::string signal_file;
   std::string dq_file;  // empty: where q is
   std::string ddq_file;
+  // "v" or "tau" where `files` says which the signal file holds; empty: the columns tell.
+  std::string signal_kind;
   // Zero-based half-open range of the data rows to use (key `rows`); absent: all.
   std::optional<std::pair<int, int>> rows;
 };

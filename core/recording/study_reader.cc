@@ -165,6 +165,7 @@ class StudyReader {
         !file_.Require(files, key, signal, "the file with the control signals")) {
       return;
     }
+    entry->signal_kind = signal;
     entry->q_file = FindFile(files["q"], KeyPath(key, "q"));
     entry->signal_file = FindFile(files[signal], KeyPath(key, signal));
     if (files["dq"].IsDefined()) entry->dq_file = FindFile(files["dq"], KeyPath(key, "dq"));

@@ -50,7 +50,7 @@ TEST(WriteFiles, OneFailureLeavesEverythingAsItWas) {
 TEST(WriteFiles, FailureRemovesTheDirectoriesItMade) {
   const TempFolder folder;
   // The name lies in a folder that does not exist, so that writing fails after the directory was made.
-  const Status status = WriteFiles(folder / "a/b", {{"good", "x"}, {"absent/file", "x"}});
+  const Status status = WriteFiles(folder / "a/b/", {{"good", "x"}, {"absent/file", "x"}});
   EXPECT_EQ(status.code(), StatusCode::kBadInput);
   EXPECT_THAT(Names(folder.path()), ::testing::IsEmpty());
 }

@@ -166,6 +166,19 @@ TEST(ReadRecording, TorqueInPlaceOfTheSignal) {
   EXPECT_EQ(recording->signal, Rows({{3, 4}, {5, 6}}));
 }
 
+TEST(ReadRecording, FilesSayWhetherTheSignalIsTorque) {
+  const std::string both = "q1,q2,v1,v2,tau1,tau2\n1,2,3,4,5,6\n1,2,7,8,9,10\n";
+  const std::string lines = "robot: robot.yaml\nsample_rate: 10\nrecordings: [{files: {q: a.csv, ";
+  const Result<Recording> torque = StudyFolder(lines + "tau: a.csv}, name: x}]\n", both).ReadFirst();
+  ASSERT_TRUE(torque.ok()) << torque.status().message();
+  EXPECT_TRUE(torque->signal_is_torque);
+  EXPECT_EQ(torque->signal, Rows({{5, 6}, {9, 10}}));
+  const Result<Recording> signal = StudyFolder(lines + "v: a.csv}, name: x}]\n", both).ReadFirst();
+  ASSERT_TRUE(signal.ok()) << signal.status().message();
+  EXPECT_FALSE(signal->signal_is_torque);
+  EXPECT_EQ(signal->signal, Rows({{3, 4}, {7, 8}}));
+}
+
 struct BadRecording {
   const char* name;
   std::string study;  // lines after the plain study

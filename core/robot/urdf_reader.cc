@@ -217,6 +217,8 @@ Result<Robot> ReadUrdf(const std::string& urdf_path) {
   Robot robot;
   robot.name = model->getName();
   const Status status = ChainBuilder(urdf_path).Build(*model, &robot);
+  // Links own their children: a closed loop of them would never be freed.
+  for (const auto& [name, link] : model->links_) link->child_links.clear();
   if (!status.ok()) return status;
   robot.transmission = Eigen::MatrixXd::Identity(robot.dof(), robot.dof());
   return robot;

@@ -15,7 +15,8 @@ std::vector<std::string> Corrupted(const std::string& text) {
   std::vector<std::string> variants;
   for (size_t size = 0; size < text.size(); ++size) variants.push_back(text.substr(0, size));
   std::mt19937 generator(4);
-  const std::string bytes("\0\n\r\t \",.:-+[]{}#&*!|>%@'<>/=0123456789aeinftxq\xff\xc3", 51);
+  constexpr char kBytes[] = "\0\n\r\t \",.:-+[]{}#&*!|>%@'<>/=0123456789aeinftxq\xff\xc3";
+  const std::string bytes(kBytes, sizeof(kBytes) - 1);
   for (int i = 0; i < 500; ++i) {
     std::string variant = text;
     for (unsigned k = 0; k <= generator() % 3; ++k)

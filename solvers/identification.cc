@@ -211,11 +211,16 @@ Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const Linea
   estimate.eliminated = summary.eliminated;
   estimate.condition_number = summary.condition_number;
   estimate.condition_number_weighted = summary.condition_number_solved;
-  estimate.relative_error_percent = 100.0 * summary.relative_residual;
+  double residual = 0.0, torque = 0.0;
   for (const PreparedRecording& recording : prepared.recordings) {
     result.series.push_back(Predict(prepared, recording, unknowns, summary.values));
-    estimate.recordings.push_back(Fit(result.series.back()));
+    const RecordingSeries& series = result.series.back();
+    estimate.recordings.push_back(Fit(series));
+    if (recording.entry.use != Use::kIdentification) continue;
+    residual += (series.decimated_torque - series.decimated_model).squaredNorm();
+    torque += series.decimated_torque.squaredNorm();
   }
+  estimate.relative_error_percent = 100.0 * std::sqrt(residual / torque);
   estimate.signal_noise = SignalNoise(study, result.series);
   return result;
 }

@@ -170,7 +170,6 @@ LinearSummary SolveLinear(const LinearSystem& system, const LinearOptions& optio
   const MatrixXd w_plain = Select(r_plain, kept);
   summary.condition_number = ConditionNumber(w_plain.leftCols(c));
   summary.condition_number_solved = ConditionNumber(Select(r, kept).leftCols(c));
-  summary.relative_residual = (w_plain.col(c) - w_plain.leftCols(c) * solution.values).norm() / w_plain.col(c).norm();
   summary.sigma = solution.sigma;
   summary.values = VectorXd::Zero(unknowns);
   summary.covariance = MatrixXd::Zero(unknowns, unknowns);

@@ -61,7 +61,6 @@ struct LinearSummary {
   Eigen::VectorXd joint_sigma;            // n [N m or N]: a priori or of each joint's own LS residual
   double condition_number = -1.0;         // of W as recorded, kept columns
   double condition_number_solved = -1.0;  // of the matrix solved with: weighted rows
-  double relative_residual = -1.0;        // |Y - W chi| / |Y|, unweighted
   double sigma = -1.0;                    // eq. (9), of the rows solved with
   std::int64_t rows = -1;
   std::int64_t degrees_of_freedom = -1;

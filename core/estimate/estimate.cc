@@ -103,10 +103,10 @@ std::string EstimateToJson(const Estimate& e) {
 std::string EstimateToText(const Estimate& e) {
   std::string text =
       Format("%s, IDIM-%s\n%s\n\n", e.robot.c_str(), e.estimator == "ls" ? "LS" : "WLS", e.preprocessing.c_str());
-  text += "parameter      value       %std    95 % interval             unit        regroups\n";
+  text += "parameter      value       %std    95 % interval             unit\n";
   for (const ParameterEstimate& p : e.parameters) {
-    text += Format("%-10s %+11.4e %9.2f    [%+.3e, %+.3e]  %-10s  %s\n", p.parameter.name.c_str(), p.value,
-                   p.RelativeSigmaPercent(), p.interval95[0], p.interval95[1], p.parameter.unit.c_str(), "");
+    text += Format("%-10s %+11.4e %9.2f    [%+.3e, %+.3e]  %s\n", p.parameter.name.c_str(), p.value,
+                   p.RelativeSigmaPercent(), p.interval95[0], p.interval95[1], p.parameter.unit.c_str());
     if (!p.regrouping.empty()) text += "             = " + p.regrouping + "\n";
   }
   if (!e.eliminated.empty()) {

@@ -71,23 +71,33 @@ double DifferenceInSigmas(const ParameterEstimate& estimate, const Reference::En
 }
 
 std::string BesideReference(const Estimate& estimate, const Reference& reference) {
-  std::string text = "beside: " + reference.name + "\nparameter     estimate      %std     reference     %std  " +
-                     "difference, %   in standard deviations\n";
+  // An exact reference has no standard deviation, and nothing is a fraction of zero.
+  const auto number = [](const char* format, bool known, double value) {
+    char text[32] = "-";
+    if (known) std::snprintf(text, sizeof(text), format, value);
+    return std::string(text);
+  };
+  std::string text = "beside: " + reference.name + "\n";
+  text += "parameter     estimate      %std     reference     %std  difference, %   in standard deviations\n";
   for (const ParameterEstimate& p : estimate.parameters) {
     const Reference::Entry* entry = reference.Find(p.parameter.name);
     if (entry == nullptr) continue;
+    const double size = std::abs(entry->value);
     char line[256];
-    std::snprintf(line, sizeof(line), "%-10s %+11.3e %8.2f   %+11.3e %8.2f  %+12.1f   %+10.1f\n",
-                  p.parameter.name.c_str(), p.value, p.RelativeSigmaPercent(), entry->value,
-                  100.0 * entry->standard_deviation / std::abs(entry->value),
-                  100.0 * (p.value - entry->value) / std::abs(entry->value), DifferenceInSigmas(p, *entry));
+    std::snprintf(line, sizeof(line), "%-10s %+11.3e %8.2f   %+11.3e %8s  %12s   %+10.1f\n", p.parameter.name.c_str(),
+                  p.value, p.RelativeSigmaPercent(), entry->value,
+                  number("%.2f", entry->standard_deviation > 0.0, 100.0 * entry->standard_deviation / size).c_str(),
+                  number("%+.1f", size > 0.0, 100.0 * (p.value - entry->value) / size).c_str(),
+                  DifferenceInSigmas(p, *entry));
     text += line;
   }
+  std::string missing;
   for (const Reference::Entry& entry : reference.parameters) {
     bool found = false;
     for (const ParameterEstimate& p : estimate.parameters) found |= p.parameter.name == entry.name;
-    if (!found) text += "only there: " + entry.name + "\n";
+    if (!found) missing += " " + entry.name;
   }
+  if (!missing.empty()) text += "in the reference only:" + missing + "\n";
   return text;
 }
 

@@ -11,6 +11,8 @@
 namespace idim {
 namespace {
 
+Status At(const std::string& path, const Status& status) { return Status::BadInput(path + ": " + status.message()); }
+
 // Root mean square over the identification recordings, weighted by their samples.
 Result<Eigen::VectorXd> PositionNoise(const PreparedStudy& prepared) {
   if (prepared.study.position_noise.size() > 0) return prepared.study.position_noise;
@@ -19,7 +21,7 @@ Result<Eigen::VectorXd> PositionNoise(const PreparedStudy& prepared) {
   for (const PreparedRecording& r : prepared.recordings) {
     if (r.entry.use != Use::kIdentification) continue;
     const Result<EncoderNoise> noise = EstimateEncoderNoise(r.recording, prepared.preprocessing, r.states);
-    if (!noise.ok()) return noise.status();
+    if (!noise.ok()) return At(r.entry.q_file, noise.status());
     squares += noise->sigma.cwiseAbs2() * r.recording.samples();
     samples += r.recording.samples();
   }
@@ -64,14 +66,14 @@ Result<PreparedStudy> PrepareStudy(const Study& study) {
     if (study.recordings[k].use == Use::kIdentification) identification.push_back(&recordings[k]);
   }
   Result<Preprocessing> preprocessing = ChoosePreprocessing(identification, study.preprocessing);
-  if (!preprocessing.ok()) return preprocessing.status();
+  if (!preprocessing.ok()) return At(study.path, preprocessing.status());
   prepared.preprocessing = *preprocessing;
 
   for (size_t k = 0; k < recordings.size(); ++k) {
     Result<JointStates> states = EstimateJointStates(recordings[k], prepared.preprocessing);
-    if (!states.ok()) return states.status();
+    if (!states.ok()) return At(study.recordings[k].q_file, states.status());
     Result<Decimator> decimator = MakeDecimator(recordings[k], prepared.preprocessing);
-    if (!decimator.ok()) return decimator.status();
+    if (!decimator.ok()) return At(study.recordings[k].q_file, decimator.status());
     prepared.recordings.push_back(
         {study.recordings[k], std::move(recordings[k]), std::move(states).value(), std::move(decimator).value()});
   }
@@ -84,7 +86,7 @@ Result<PreparedStudy> PrepareStudy(const Study& study) {
   const PreparedRecording& first = prepared.recordings[0];
   const Result<StateCovariance> covariance =
       StateCovariance::Create(first.recording.t, prepared.preprocessing, first.decimator);
-  if (!covariance.ok()) return covariance.status();
+  if (!covariance.ok()) return At(first.entry.q_file, covariance.status());
   prepared.velocity_sigma = prepared.position_noise * std::sqrt(covariance->full_rate()(1, 1));
   return prepared;
 }

@@ -1,0 +1,138 @@
+#include "core/estimate/estimate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/estimate/reference.h"
+#include "core/estimate/series.h"
+
+namespace idim {
+namespace {
+
+using Eigen::VectorXd;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+Estimate Example() {
+  Estimate e;
+  e.robot = "arm \"A\"";
+  e.estimator = "wls";
+  ParameterEstimate p;
+  p.parameter = {"ZZ1R", ParameterKind::kBase, 1, "kg.m^2"};
+  p.value = 1.28;
+  p.standard_deviation = 0.02;
+  p.regrouping = "ZZ1 + Ia1";
+  SetInterval95(10.0, &p);
+  e.parameters.push_back(p);
+  e.covariance = Eigen::MatrixXd::Constant(1, 1, 0.0004);
+  e.position_noise = VectorXd::Constant(1, 1e-5);
+  e.signal_noise = VectorXd::Constant(1, 0.1);
+  e.recordings.push_back({"free", "identification", 896, VectorXd::Constant(1, 7.2), 8.8, VectorXd::Constant(1, 2.0),
+                          VectorXd::Constant(1, 3.0), VectorXd::Constant(1, 0.4)});
+  e.condition_number = 2177.0;
+  return e;
+}
+
+// The keys that scripts outside read.
+TEST(EstimateToJson, HoldsTheContract) {
+  const Json json = Json::parse(EstimateToJson(Example()));
+  EXPECT_EQ(json.at("schema"), "idim.estimate.1");
+  EXPECT_EQ(json.at("status"), "ok");
+  EXPECT_EQ(json.at("message"), "");
+  EXPECT_EQ(json.at("robot"), "arm \"A\"");
+  const Json& p = json.at("parameters").at(0);
+  EXPECT_EQ(p.at("name"), "ZZ1R");
+  EXPECT_EQ(p.at("kind"), "base");
+  EXPECT_EQ(p.at("joint"), 1);
+  EXPECT_EQ(p.at("value"), 1.28);
+  EXPECT_EQ(p.at("unit"), "kg.m^2");
+  EXPECT_EQ(p.at("regrouping"), "ZZ1 + Ia1");
+  // Student's t with 10 degrees of freedom: 2.228 (any table).
+  EXPECT_NEAR(p.at("interval95").at(0).get<double>(), 1.28 - 2.228 * 0.02, 1e-5);
+  EXPECT_NEAR(p.at("interval95").at(1).get<double>(), 1.28 + 2.228 * 0.02, 1e-5);
+  EXPECT_EQ(json.at("covariance").at(0).at(0), 0.0004);
+  EXPECT_EQ(json.at("noise").at("position").size(), 1u);
+  const Json& r = json.at("recordings").at(0);
+  EXPECT_EQ(r.at("name"), "free");
+  EXPECT_EQ(r.at("use"), "identification");
+  EXPECT_EQ(r.at("samples"), 896);
+  EXPECT_EQ(r.at("relative_error_percent").at(0), 7.2);
+  EXPECT_EQ(r.at("relative_error_percent_all"), 8.8);
+  EXPECT_EQ(r.at("rms_torque").at(0), 2.0);
+  EXPECT_EQ(json.at("condition_number"), 2177.0);
+  EXPECT_TRUE(json.at("seconds").is_number());
+}
+
+TEST(EstimateToJson, AnUntrustedEstimateSaysSo) {
+  Estimate e;
+  e.status = Status::Untrusted("not identifiable: Fv3");
+  const Json json = Json::parse(EstimateToJson(e));
+  EXPECT_EQ(json.at("status"), "untrusted");
+  EXPECT_EQ(json.at("message"), "not identifiable: Fv3");
+  EXPECT_TRUE(json.at("parameters").empty());
+}
+
+TEST(Reference, AnEstimateIsAReferenceItself) {
+  const std::string path = ::testing::TempDir() + "/reference.json";
+  FILE* file = fopen(path.c_str(), "w");
+  ASSERT_NE(file, nullptr);
+  const std::string text = EstimateToJson(Example());
+  fwrite(text.data(), 1, text.size(), file);
+  fclose(file);
+  const Result<Reference> reference = ReadReference(path);
+  ASSERT_TRUE(reference.ok()) << reference.status().message();
+  EXPECT_EQ(reference->name, "wls");
+  ASSERT_NE(reference->Find("ZZ1R"), nullptr);
+  EXPECT_EQ(reference->Find("Fv1"), nullptr);
+  Estimate other = Example();
+  other.parameters[0].value = 1.36;
+  // 0.08 apart, 0.02 each: 0.08 / (sqrt(2) 0.02).
+  EXPECT_NEAR(DifferenceInSigmas(other.parameters[0], *reference->Find("ZZ1R")), 2.8284, 1e-4);
+  EXPECT_THAT(BesideReference(other, *reference), HasSubstr("+2.8"));
+  remove(path.c_str());
+}
+
+TEST(Reference, RefusesWhatIsNone) {
+  const std::string path = ::testing::TempDir() + "/bad_reference.json";
+  const std::pair<const char*, const char*> cases[] = {
+      {"", "not a JSON object"},
+      {"[1]", "not a JSON object"},
+      {"{}", "key 'parameters'"},
+      {"{\"parameters\": [{\"value\": 1}]}", "parameters[0]: key 'name'"},
+      {"{\"parameters\": [{\"name\": \"a\", \"value\": \"x\"}]}", "parameters[0]: key 'value'"},
+      {"{\"parameters\": [{\"name\": \"a\", \"value\": 1, \"standard_deviation\": null}]}", "key 'standard_deviation'"},
+  };
+  for (const auto& [text, message] : cases) {
+    FILE* file = fopen(path.c_str(), "w");
+    ASSERT_NE(file, nullptr);
+    fputs(text, file);
+    fclose(file);
+    const Result<Reference> reference = ReadReference(path);
+    EXPECT_EQ(reference.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(reference.status().message(), HasSubstr(message));
+    EXPECT_THAT(reference.status().message(), HasSubstr(path));
+  }
+  remove(path.c_str());
+  EXPECT_THAT(ReadReference("/nowhere.json").status().message(), HasSubstr("/nowhere.json"));
+}
+
+TEST(ResidualsToCsv, OneLineADecimatedSample) {
+  RecordingSeries s;
+  s.name = "free";
+  s.use = "identification";
+  s.torque = s.model = Eigen::MatrixXd::Zero(4, 2);
+  s.decimated_t = VectorXd::LinSpaced(2, 0.5, 1.0);
+  s.decimated_q = Eigen::MatrixXd::Constant(2, 2, 0.1);
+  s.decimated_dq = Eigen::MatrixXd::Constant(2, 2, 0.2);
+  s.decimated_torque = Eigen::MatrixXd::Constant(2, 2, 3.0);
+  s.decimated_model = Eigen::MatrixXd::Constant(2, 2, 1.0);
+  EXPECT_EQ(ResidualsToCsv({s}),
+            "recording,use,t,q1,q2,dq1,dq2,tau1,tau2,model1,model2,residual1,residual2\n"
+            "free,identification,0.5,0.1,0.1,0.2,0.2,3,3,1,1,2,2\n"
+            "free,identification,1,0.1,0.1,0.2,0.2,3,3,1,1,2,2\n");
+}
+
+}  // namespace
+}  // namespace idim

@@ -33,7 +33,7 @@ Section Summary(const Estimate& e) {
   section.title = "Summary";
   KeyValues facts;
   facts.entries = {{"estimator", EstimatorTitle(e)},
-                   {"base parameters", std::to_string(e.parameters.size())},
+                   {"parameters", std::to_string(e.parameters.size())},
                    {"relative error |ρ| / |Y|", Text("%.2f %%", e.relative_error_percent)},
                    {"condition number of W", Text("%.0f", e.condition_number)},
                    {"of the weighted W", Text("%.0f", e.condition_number_weighted)},
@@ -86,7 +86,9 @@ Section Parameters(const Estimate& e, const std::vector<Reference>& references) 
     table.columns.push_back({reference.name, Table::Align::kNumber});
     table.columns.push_back({"difference in σ", Table::Align::kNumber});
   }
-  table.columns.push_back({"regroups"});
+  Table relations;
+  relations.caption = "What is regrouped into a base parameter";
+  relations.columns = {{"parameter"}, {"relation"}};
   for (size_t k = 0; k < e.parameters.size(); ++k) {
     const ParameterEstimate& p = e.parameters[k];
     std::vector<std::string> row = {p.parameter.name,
@@ -100,12 +102,13 @@ Section Parameters(const Estimate& e, const std::vector<Reference>& references) 
       row.push_back(entry == nullptr ? "" : Text("%.4g", entry->value));
       row.push_back(entry == nullptr ? "" : Text("%+.1f", DifferenceInSigmas(p, *entry)));
     }
-    row.push_back(p.regrouping);
+    if (!p.regrouping.empty()) relations.rows.push_back({p.parameter.name, p.regrouping});
     table.rows.push_back(std::move(row));
     if (p.interval95[0] < 0.0 && p.interval95[1] > 0.0) table.muted_rows.push_back(static_cast<int>(k));
   }
   table.caption = "Pale rows: the interval holds zero, the data do not tell the sign.";
   section.blocks.emplace_back(std::move(table));
+  if (!relations.rows.empty()) section.blocks.emplace_back(std::move(relations));
   if (!e.eliminated.empty()) {
     std::string names;
     for (const std::string& name : e.eliminated) names += " " + name;

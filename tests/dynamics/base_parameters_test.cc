@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/QR>
+#include <set>
 #include <string>
 
 #include "tests/support/random_arm.h"
@@ -186,6 +188,38 @@ TEST(BaseParameters, TorqueIsThatOfTheStandardParameters) {
       EXPECT_LT((tau - w * chi_st).norm(), 1e-11 * tau.norm()) << types;
     }
   }
+}
+
+// Another basis of the same columns, picked by QR with free pivoting, describes the same torque.
+TEST(BaseParameters, TorqueDoesNotDependOnTheirChoice) {
+  Random random(31);
+  StandardModel model(testing::Tx40(), FrictionModel{});
+  const BaseParameters base(model);
+  const int n = 6, states = 100;
+  const auto sample = [&](int count) {
+    RowMajorMatrix all(n * count, model.columns()), w(n, model.columns());
+    for (int k = 0; k < count; ++k) {
+      const VectorXd q = random.Vector(n, M_PI), dq = random.Vector(n, 3.0), ddq = random.Vector(n, 10.0);
+      model.Regressor(q.data(), dq.data(), ddq.data(), nullptr, w.data());
+      all.middleRows(n * k, n) = w;
+    }
+    return all;
+  };
+  const RowMajorMatrix w = sample(states);
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(w);
+  qr.setThreshold(1e-10);
+  ASSERT_EQ(qr.rank(), base.size());
+  const VectorXd chi_st = random.Vector(model.columns(), 1.0);
+  const VectorXd other = qr.solve(w * chi_st);  // basic solution: zero but for its own choice of columns
+  std::set<int> mine(base.kept().begin(), base.kept().end());
+  int not_mine = 0;
+  for (Eigen::Index k = 0; k < other.size(); ++k) not_mine += other[k] != 0.0 && mine.count(static_cast<int>(k)) == 0;
+  EXPECT_GT(not_mine, 0) << "the other choice should differ";
+  const RowMajorMatrix elsewhere = sample(20);
+  VectorXd by_base = VectorXd::Zero(elsewhere.rows());
+  const VectorXd chi = base.projection() * chi_st;
+  for (int k = 0; k < base.size(); ++k) by_base += elsewhere.col(base.kept()[k]) * chi[k];
+  EXPECT_LT((by_base - elsewhere * other).norm(), 1e-10 * by_base.norm());
 }
 
 TEST(BaseParameters, OtherRandomStatesGiveTheSameSet) {

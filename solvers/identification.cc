@@ -1,9 +1,9 @@
 #include "solvers/identification.h"
 
 #include <cmath>
-#include <set>
 
 #include "core/observation/observation_stream.h"
+#include "solvers/payload_unknowns.h"
 
 namespace idim {
 namespace {
@@ -18,35 +18,10 @@ struct Unknowns {
 };
 
 Unknowns LayOut(const PreparedStudy& prepared) {
-  const Study& study = prepared.study;
   Unknowns unknowns;
   unknowns.parameters = prepared.base.parameters();
-  std::set<int> carried;
-  for (const RecordingEntry& entry : study.recordings) {
-    if (entry.use == Use::kIdentification && entry.payload >= 0) carried.insert(entry.payload);
-  }
-  const int n = study.robot.dof();
-  for (int p = 0; p < static_cast<int>(study.payloads.size()); ++p) {
-    std::array<int, kNumInertial> columns;
-    for (int k = 0; k < kNumInertial; ++k) {
-      columns[k] = -1;
-      if (study.payloads[p].known[k] || carried.count(p) == 0) continue;
-      columns[k] = static_cast<int>(unknowns.parameters.size());
-      // The paper numbers the payload as link n + 1.
-      std::string name = kStandardNames[k] + std::to_string(n + 1);
-      if (carried.size() > 1) name += "_" + study.payloads[p].name;
-      unknowns.parameters.push_back({name, ParameterKind::kPayload, n, StandardUnit(k, false)});
-    }
-    unknowns.payload_column.push_back(columns);
-  }
+  unknowns.payload_column = AppendPayloadUnknowns(prepared.study, &unknowns.parameters);
   return unknowns;
-}
-
-// The known part of a payload, zero where unknown.
-InertialVector KnownPart(const Study& study, int payload) {
-  InertialVector known = InertialVector::Zero();
-  for (int k = 0; payload >= 0 && k < kNumInertial; ++k) known[k] = study.payloads[payload].known[k].value_or(0.0);
-  return known;
 }
 
 void AddRecording(const PreparedStudy& prepared, const PreparedRecording& recording, const Unknowns& unknowns,
@@ -54,7 +29,7 @@ void AddRecording(const PreparedStudy& prepared, const PreparedRecording& record
   const Study& study = prepared.study;
   const int n = study.robot.dof();
   const int payload = recording.entry.payload;
-  const InertialVector known = KnownPart(study, payload);
+  const InertialVector known = KnownPayload(study, payload);
   const int columns = static_cast<int>(unknowns.parameters.size()) + 1;
   Observation::RowMajorMatrix rows = Observation::RowMajorMatrix::Zero(n, columns);
   StreamObservations(prepared.base, recording.states, recording.recording.signal, prepared.velocity_sigma,
@@ -79,7 +54,7 @@ RecordingSeries Predict(const PreparedStudy& prepared, const PreparedRecording& 
   VectorXd chi = VectorXd::Zero(model.columns());
   for (int k = 0; k < prepared.base.size(); ++k) chi[prepared.base.kept()[k]] = values[k];
   const int payload = recording.entry.payload;
-  InertialVector body = KnownPart(study, payload);
+  InertialVector body = KnownPayload(study, payload);
   for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
     const int column = unknowns.payload_column[payload][k];
     if (column >= 0) body[k] = values[column];

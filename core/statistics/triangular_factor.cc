@@ -2,60 +2,73 @@
 
 #include <glog/logging.h>
 
-#include <cmath>
+#include <cstring>
 
 namespace idim {
+namespace {
 
-TriangularFactor::TriangularFactor(int columns)
-    : columns_(columns), r_(Eigen::MatrixXd::Zero(columns, columns)), block_(3 * columns + 8, columns) {
+// A strip of 24 columns of so many rows and a panel of 8 stay in a first-level cache of 48 kB.
+constexpr int kBlockRows = 128;
+
+int Octets(int columns) {
   CHECK_GT(columns, 0);
+  return (columns + 7) / 8;
 }
+
+}  // namespace
+
+TriangularFactor::TriangularFactor(int columns) : TriangularFactor(columns, AvailableFoldVariants().back()) {}
+
+TriangularFactor::TriangularFactor(int columns, FoldVariant variant)
+    : columns_(columns),
+      variant_(variant),
+      r_(8 * Octets(columns), Octets(columns)),
+      block_(kBlockRows, Octets(columns)) {}
 
 void TriangularFactor::AddRow(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& row) {
   CHECK_EQ(row.size(), columns_);
-  block_.row(buffered_++) = row;
+  Buffer(row.data(), row.innerStride());
   ++rows_;
-  if (buffered_ == block_.rows()) {
-    Fold(&r_, &block_, buffered_);
-    buffered_ = 0;
-  }
+}
+
+void TriangularFactor::AddRows(const Eigen::Ref<const RowMajorMatrix, 0, Eigen::OuterStride<>>& rows) {
+  CHECK_EQ(rows.cols(), columns_);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) Buffer(rows.data() + i * rows.outerStride(), 1);
+  rows_ += rows.rows();
 }
 
 void TriangularFactor::Merge(const TriangularFactor& other, double scale) {
   CHECK_EQ(other.columns_, columns_);
-  Fold(&r_, &block_, buffered_);
-  buffered_ = 0;
-  Eigen::MatrixXd rows = scale * other.R();
-  Fold(&r_, &rows, columns_);
+  const Eigen::MatrixXd r = scale * other.R();
+  for (Eigen::Index i = 0; i < columns_; ++i) Buffer(&r(i, 0), r.outerStride());
   rows_ += other.rows_;
 }
 
 Eigen::MatrixXd TriangularFactor::R() const {
-  if (buffered_ == 0) return r_;
-  Eigen::MatrixXd r = r_;
-  Eigen::MatrixXd block = block_;
-  Fold(&r, &block, buffered_);
+  OctetMatrix folded = r_;
+  if (buffered_ > 0) {
+    OctetMatrix block = block_;
+    FoldIntoTriangle(variant_, columns_, &folded, &block, buffered_);
+  }
+  Eigen::MatrixXd r = Eigen::MatrixXd::Zero(columns_, columns_);
+  for (int j = 0; j < columns_; ++j) {
+    for (int i = 0; i <= j; ++i) r(i, j) = folded(i, j);
+  }
   return r;
 }
 
-void TriangularFactor::Fold(Eigen::MatrixXd* r, Eigen::MatrixXd* block, int rows) {
-  const Eigen::Index columns = r->cols();
-  for (Eigen::Index j = 0; j < columns; ++j) {
-    // The reflector (1; v) acts on row j of R and on the block: the triangle's other rows stay as they are.
-    auto x = block->col(j).head(rows);
-    const double tail = x.squaredNorm();
-    if (tail == 0.0) continue;
-    const double alpha = (*r)(j, j);
-    const double beta = -std::copysign(std::sqrt(alpha * alpha + tail), alpha);
-    const double tau = (beta - alpha) / beta;
-    x /= alpha - beta;
-    (*r)(j, j) = beta;
-    for (Eigen::Index k = j + 1; k < columns; ++k) {
-      auto y = block->col(k).head(rows);
-      const double s = tau * ((*r)(j, k) + x.dot(y));
-      (*r)(j, k) -= s;
-      y -= s * x;
+void TriangularFactor::Buffer(const double* values, Eigen::Index stride) {
+  double* to = block_.octet(0) + 8 * buffered_;
+  for (int left = columns_; left > 0; left -= 8, values += 8 * stride, to += block_.octet_stride()) {
+    if (left >= 8 && stride == 1) {
+      std::memcpy(to, values, sizeof(ColumnOctet));
+    } else {
+      for (int k = 0; k < 8 && k < left; ++k) to[k] = values[k * stride];
     }
+  }
+  if (++buffered_ == kBlockRows) {
+    FoldIntoTriangle(variant_, columns_, &r_, &block_, buffered_);
+    buffered_ = 0;
   }
 }
 

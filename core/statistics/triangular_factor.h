@@ -3,7 +3,7 @@
 // Rows fill a block; a full block is folded into R by Householder reflections of [R; block], which leave Q unstored.
 // Memory is that of one block and R, whatever the number of rows; factors of parts merge by one more folding
 // (Golub & Van Loan, Matrix Computations, 5.2; TSQR of Demmel, Grigori, Hoemmen & Langou 2012). Least squares, total
-// least squares, ranks and residual norms need nothing but R.
+// least squares, ranks and residual norms need nothing but R. How a block is folded: triangular_fold.h.
 
 #ifndef IDIM_CORE_STATISTICS_TRIANGULAR_FACTOR_H_
 #define IDIM_CORE_STATISTICS_TRIANGULAR_FACTOR_H_
@@ -11,11 +11,17 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "core/statistics/triangular_fold.h"
+
 namespace idim {
 
 class TriangularFactor {
  public:
+  using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  // The fastest variant that the processor runs, or (to compare them) one of AvailableFoldVariants().
   explicit TriangularFactor(int columns);
+  TriangularFactor(int columns, FoldVariant variant);
 
   int columns() const { return columns_; }
   // Rows added so far, those of merged factors included.
@@ -23,6 +29,9 @@ class TriangularFactor {
 
   // row: columns() values with the given stride between them.
   void AddRow(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& row);
+  // Any number of rows x columns(), to the bit what AddRow does with one after the other. Row-major storage is read in
+  // place; any other is copied first.
+  void AddRows(const Eigen::Ref<const RowMajorMatrix, 0, Eigen::OuterStride<>>& rows);
 
   // Adds the rows of `other`, each times `scale`. Same number of columns (CHECK).
   void Merge(const TriangularFactor& other, double scale = 1.0);
@@ -31,13 +40,14 @@ class TriangularFactor {
   Eigen::MatrixXd R() const;
 
  private:
-  // Folds `rows` buffered rows into r_.
-  static void Fold(Eigen::MatrixXd* r, Eigen::MatrixXd* block, int rows);
+  // values: columns_ values with the given stride between them.
+  void Buffer(const double* values, Eigen::Index stride);
 
   int columns_;
+  FoldVariant variant_;
   std::int64_t rows_ = 0;
-  Eigen::MatrixXd r_;
-  Eigen::MatrixXd block_;  // block rows x columns, column-major: the reflections run down columns
+  OctetMatrix r_;
+  OctetMatrix block_;
   int buffered_ = 0;
 };
 

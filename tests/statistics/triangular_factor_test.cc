@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
+#include <Eigen/SVD>
+#include <cmath>
+#include <tuple>
+#include <vector>
 
 #include "tests/support/random_arm.h"
 
@@ -16,8 +20,8 @@ MatrixXd RandomMatrix(int rows, int columns, unsigned seed) {
   return MatrixXd::NullaryExpr(rows, columns, [&] { return random.Uniform(-1.0, 1.0); });
 }
 
-TriangularFactor Factor(const MatrixXd& w) {
-  TriangularFactor factor(static_cast<int>(w.cols()));
+TriangularFactor Factor(const MatrixXd& w, FoldVariant variant = AvailableFoldVariants().back()) {
+  TriangularFactor factor(static_cast<int>(w.cols()), variant);
   for (Eigen::Index i = 0; i < w.rows(); ++i) factor.AddRow(w.row(i));
   return factor;
 }
@@ -31,7 +35,7 @@ MatrixXd PositiveDiagonal(MatrixXd r) {
 }
 
 class Rows : public ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(FewerAndMoreThanABlock, Rows, ::testing::Values(1, 5, 7, 28, 29, 30, 58, 1000));
+INSTANTIATE_TEST_SUITE_P(FewerAndMoreThanABlock, Rows, ::testing::Values(1, 5, 7, 30, 127, 128, 129, 256, 1000));
 
 TEST_P(Rows, TheFactorOfTheWholeMatrix) {
   const int columns = 7, rows = GetParam();
@@ -56,6 +60,121 @@ TEST(TriangularFactor, MergingPartsIsTheWholeAndScalesRows) {
   both << a, 0.5 * b;
   EXPECT_EQ(merged.rows(), 109);
   EXPECT_LT((PositiveDiagonal(merged.R()) - PositiveDiagonal(Factor(both).R())).norm(), 1e-12 * both.norm());
+}
+
+std::vector<double> Flat(const MatrixXd& m) { return {m.data(), m.data() + m.size()}; }
+
+// Every width of a strip and of the last panel, by every instruction set of this processor: against Eigen, so also
+// against one another. 301 rows: two blocks and a rest that four does not divide.
+using VariantAndColumns = std::tuple<FoldVariant, int>;
+class Variants : public ::testing::TestWithParam<VariantAndColumns> {};
+INSTANTIATE_TEST_SUITE_P(AllOfThisProcessor, Variants,
+                         ::testing::Combine(::testing::ValuesIn(AvailableFoldVariants()),
+                                            ::testing::Values(1, 2, 3, 4, 5, 8, 9, 12, 13, 16, 17, 24, 25, 30, 33, 41,
+                                                              48, 62, 70, 97)));
+
+TEST_P(Variants, AgreeWithEigen) {
+  const auto [variant, columns] = GetParam();
+  const MatrixXd w = RandomMatrix(301, columns, 17);
+  const MatrixXd r = PositiveDiagonal(Factor(w, variant).R());
+  const MatrixXd expected =
+      PositiveDiagonal(Eigen::HouseholderQR<MatrixXd>(w).matrixQR().topRows(columns).triangularView<Eigen::Upper>());
+  EXPECT_LT((r - expected).norm(), 1e-12 * expected.norm());
+}
+
+// Not only up to signs: all choose the sign of a diagonal entry in the same way.
+TEST(TriangularFactor, VariantsDifferByRoundingOnly) {
+  MatrixXd w = RandomMatrix(1000, 70, 18);
+  for (int j = 0; j < 70; ++j) w.col(j) *= std::pow(10.0, j % 9 - 4);
+  const MatrixXd baseline = Factor(w, FoldVariant::kBaseline).R();
+  for (const FoldVariant variant : AvailableFoldVariants()) {
+    const MatrixXd r = Factor(w, variant).R();
+    for (int j = 0; j < 70; ++j) {
+      EXPECT_LT((r.col(j) - baseline.col(j)).norm(), 1e-12 * baseline.col(j).norm()) << static_cast<int>(variant);
+    }
+    EXPECT_EQ(Flat(r), Flat(Factor(w, variant).R())) << "not the same on a second run";
+  }
+}
+
+TEST(TriangularFactor, RowsByBlocksAreRowsOneByOne) {
+  using RowMajor = TriangularFactor::RowMajorMatrix;
+  const RowMajor w = RandomMatrix(400, 13, 5);
+  const MatrixXd expected = Factor(w).R();
+  TriangularFactor blocks(13);
+  blocks.AddRows(w.topRows(1));
+  blocks.AddRows(w.middleRows(1, 150));
+  blocks.AddRows(w.middleRows(151, 0));
+  blocks.AddRows(w.bottomRows(249));
+  EXPECT_EQ(blocks.rows(), 400);
+  EXPECT_EQ(Flat(blocks.R()), Flat(expected));
+  // Part of a wider matrix; column-major storage, whose rows are strided; a temporary.
+  const RowMajor wide = RowMajor::Random(400, 16);
+  TriangularFactor part(13), column_major(13), expression(13);
+  part.AddRows(wide.middleCols(2, 13));
+  EXPECT_EQ(Flat(part.R()), Flat(Factor(wide.middleCols(2, 13)).R()));
+  column_major.AddRows(MatrixXd(w));
+  EXPECT_EQ(Flat(column_major.R()), Flat(expected));
+  expression.AddRows(-1.0 * w);
+  EXPECT_EQ(Flat(expression.R().cwiseAbs()), Flat(expected.cwiseAbs()));
+}
+
+// R() folds a copy: looking at it, twice or half way, changes nothing that follows.
+TEST(TriangularFactor, LookingDoesNotChangeIt) {
+  const MatrixXd w = RandomMatrix(300, 9, 6);
+  TriangularFactor factor(9);
+  for (int i = 0; i < 300; ++i) {
+    factor.AddRow(w.row(i));
+    if (i % 50 == 0) {
+      EXPECT_EQ(Flat(factor.R()), Flat(factor.R()));
+    }
+  }
+  EXPECT_EQ(Flat(factor.R()), Flat(Factor(w).R()));
+}
+
+// A column of zeros and columns that repeat others, in the middle of a panel and of a strip: no reflector, or one whose
+// inner products are all rounding.
+TEST(TriangularFactor, RankDeficient) {
+  MatrixXd w = RandomMatrix(500, 40, 7);
+  w.col(3).setZero();
+  w.col(17) = w.col(2);
+  w.col(30) = w.col(5) - 2.0 * w.col(29);
+  for (const FoldVariant variant : AvailableFoldVariants()) {
+    const MatrixXd r = Factor(w, variant).R();
+    EXPECT_EQ(r.col(3).norm(), 0.0);
+    EXPECT_LT((r.transpose() * r - w.transpose() * w).norm(), 1e-13 * w.squaredNorm());
+    EXPECT_LT(std::abs(r(17, 17)), 1e-13 * w.col(17).norm());
+    EXPECT_LT(std::abs(r(30, 30)), 1e-13 * w.col(30).norm());
+  }
+}
+
+// A condition number of 1e10, whose square is beyond double precision: the smallest singular value survives, which the
+// normal equations would lose.
+TEST(TriangularFactor, IllConditioned) {
+  MatrixXd w = RandomMatrix(2000, 30, 8);
+  w.col(29) = w.leftCols(29).rowwise().sum() + 1e-10 * w.col(29);
+  const double expected = Eigen::JacobiSVD<MatrixXd>(w).singularValues()[29];
+  for (const FoldVariant variant : AvailableFoldVariants()) {
+    EXPECT_NEAR(Eigen::JacobiSVD<MatrixXd>(Factor(w, variant).R()).singularValues()[29] / expected, 1.0, 1e-4);
+  }
+}
+
+TEST(TriangularFactor, TheEndsOfTheRange) {
+  for (const FoldVariant variant : AvailableFoldVariants()) {
+    MatrixXd w = RandomMatrix(300, 5, 9);
+    const MatrixXd expected = Factor(w, variant).R();
+    // Powers of two change no mantissa. Squares of the second column are subnormal: it is left out, not divided by.
+    w.col(0) *= 0x1p+500;
+    w.col(2) *= 0x1p-450;
+    MatrixXd r = Factor(w, variant).R();
+    r.col(0) *= 0x1p-500;
+    r.col(2) *= 0x1p+450;
+    EXPECT_EQ(Flat(r), Flat(expected));
+    w.col(2) *= 0x1p-80;
+    EXPECT_EQ(Factor(w, variant).R()(2, 2), 0.0);
+    // What is not a number is not lost either.
+    w(100, 3) = std::nan("");
+    EXPECT_TRUE(std::isnan(Factor(w, variant).R()(3, 3)));
+  }
 }
 
 // Columns of very different size, like XY4 and Fs2, keep their own relative accuracy.

@@ -1,0 +1,58 @@
+// The kernel of TriangularFactor: rows folded into an upper triangle, R'R <- R'R + B'B, by Householder reflections of
+// [R; B] (Golub & Van Loan, Matrix Computations, 5.1 and 12.5.3). Reflector j touches row j of R and the block B only,
+// so the triangle costs next to nothing and a block of r rows 2 r c^2 operations.
+//
+// Panels of P columns are factored one reflector after the other, each in one pass over the panel that applies
+// reflector j and at the same time takes the inner products reflector j + 1 needs. The other columns get the P
+// reflectors at once in compact WY form, C <- C - V (T' (V'C)) (Schreiber & Van Loan 1989), strip by strip, V'C and T
+// of a strip in registers. A reflector stays unscaled, (R_jj - beta, x), so that T's off-diagonal inner products fall
+// out of the panel's passes and a column of any size keeps its own relative accuracy.
+//
+// Plain doubles, no Eigen: the same source is compiled for several instruction sets and one is chosen at run time.
+// Variants group the sums differently and with or without fused multiply-add: R differs by rounding from one to the
+// other (1e-12 relative is tested), and is the same to the bit on every run of one variant.
+//
+// Limits: squares must be representable. A column whose whole norm, in R and in the block, is below 1e-145 is left out.
+
+#ifndef IDIM_CORE_STATISTICS_TRIANGULAR_FOLD_H_
+#define IDIM_CORE_STATISTICS_TRIANGULAR_FOLD_H_
+
+#include <vector>
+
+namespace idim {
+
+// Eight neighbouring columns of one row: a cache line.
+struct alignas(64) ColumnOctet {
+  double values[8] = {};
+};
+
+// `rows` x 8 * `octets` values, an octet of columns after the other: row i of octet g is octets_[g * (rows + 1) + i].
+// One cache line between the octets keeps those of a row out of one cache set.
+class OctetMatrix {
+ public:
+  OctetMatrix(int rows, int octets) : rows_(rows), octets_(octets), storage_((rows + 1) * octets) {}
+  int rows() const { return rows_; }
+  int octets() const { return octets_; }
+  int octet_stride() const { return 8 * (rows_ + 1); }  // in doubles
+  double* octet(int g) { return storage_[g * (rows_ + 1)].values; }
+  double operator()(int i, int j) const { return storage_[j / 8 * (rows_ + 1) + i].values[j % 8]; }
+  double& operator()(int i, int j) { return storage_[j / 8 * (rows_ + 1) + i].values[j % 8]; }
+
+ private:
+  int rows_, octets_;
+  std::vector<ColumnOctet> storage_;
+};
+
+enum class FoldVariant { kBaseline, kAvx2, kAvx512 };
+
+// Those that this processor (and compiler) can run, slowest first; never empty.
+const std::vector<FoldVariant>& AvailableFoldVariants();
+
+// The upper triangle of r (8 * octets square) becomes that of [r; first `rows` rows of block]; rows <= block->rows().
+// Both have zeros right of column `columns` and as many octets. The block is destroyed but for that padding; its
+// number of rows is a multiple of four.
+void FoldIntoTriangle(FoldVariant variant, int columns, OctetMatrix* r, OctetMatrix* block, int rows);
+
+}  // namespace idim
+
+#endif  // IDIM_CORE_STATISTICS_TRIANGULAR_FOLD_H_

@@ -5,6 +5,7 @@
 
 #include <iostream>
 
+#include "apps/program.h"
 #include "core/base/file.h"
 #include "core/simulation/scenario.h"
 
@@ -23,14 +24,6 @@ idim::Status Run(const std::string& scenario_path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  google::InitGoogleLogging(argv[0]);
-  gflags::SetUsageMessage("idim_simulate SCENARIO --output=DIR: recordings and a study with known truth");
-  gflags::ParseCommandLineFlags(&argc, &argv, true);
-  if (argc != 2 || FLAGS_output.empty()) {
-    std::cerr << "idim_simulate: expected one scenario and --output, as in: idim_simulate scenario.yaml --output=DIR\n";
-    return 1;
-  }
-  const idim::Status status = Run(argv[1]);
-  if (!status.ok()) std::cerr << status.message() << "\n";
-  return status.exit_code();
+  return idim::RunProgram(argc, argv, "idim_simulate", "SCENARIO", "recordings and a study with known truth", &Run,
+                          &FLAGS_output);
 }

@@ -1,7 +1,7 @@
-// The main job: prepared study -> observation matrix -> LS or WLS -> estimate and residuals (paper II.C, II.D).
+// The main job: prepared study -> observation matrix -> estimator -> estimate and residuals (paper II.C to III).
 //
-// Drive gains are taken as known; unknown payload parameters are identified with the arm's (eq. (12)), known ones go
-// to the side of the torque. Validation recordings are predicted, never fitted.
+// Unknown payload parameters are identified with the arm's (eq. (12)), known ones go to the side of the torque.
+// Validation recordings are predicted, never fitted.
 
 #ifndef IDIM_SOLVERS_IDENTIFICATION_H_
 #define IDIM_SOLVERS_IDENTIFICATION_H_
@@ -12,6 +12,7 @@
 #include "core/estimate/estimate.h"
 #include "core/estimate/series.h"
 #include "core/observation/prepared_study.h"
+#include "solvers/gain_identification.h"
 #include "solvers/linear_identification.h"
 
 namespace idim {
@@ -21,9 +22,16 @@ struct Identification {
   std::vector<RecordingSeries> series;
 };
 
-// BadInput: the study asks for what this estimator cannot do (unknown gains, a payload that no identification recording
-// carries). What the data cannot tell is in estimate.status.
+// LS or WLS with known drive gains; rows weighted by the study's a priori signal noise where it has one. BadInput:
+// unknown gains, a validation payload that no identification recording carries. What the data cannot tell is in
+// estimate.status.
 Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const LinearOptions& options);
+
+// Drive gains and parameters together. system: of the same study (BuildGainSystem), so that several estimators share
+// one pass over the data. A status that is not ok comes with the numbers where there are any: to be shown, not to be
+// used.
+Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSystem& system,
+                                     const GainOptions& options);
 
 }  // namespace idim
 

@@ -1,11 +1,13 @@
 #include "core/estimate/estimate.h"
 
 #include <boost/math/distributions/students_t.hpp>
+#include <cctype>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <limits>
-#include <nlohmann/json.hpp>
+
+#include "core/estimate/estimate_json.h"
 
 namespace idim {
 namespace {
@@ -58,7 +60,7 @@ void SetInterval95(double degrees_of_freedom, ParameterEstimate* estimate) {
   estimate->interval95[1] = estimate->value + t * estimate->standard_deviation;
 }
 
-std::string EstimateToJson(const Estimate& e) {
+nlohmann::ordered_json EstimateJson(const Estimate& e) {
   Json json;
   json["schema"] = "idim.estimate.1";
   json["status"] = StatusName(e.status);
@@ -96,8 +98,29 @@ std::string EstimateToJson(const Estimate& e) {
   json["relative_error_percent"] = e.relative_error_percent;
   json["condition_number"] = e.condition_number;
   json["condition_number_weighted"] = e.condition_number_weighted;
+  if (!e.gain_diagnoses.empty()) {
+    json["gain_diagnoses"] = Json::array();
+    for (const GainDiagnosis& g : e.gain_diagnoses) {
+      json["gain_diagnoses"].push_back({{"name", g.name},
+                                        {"strength", g.strength},
+                                        {"independent", g.independent},
+                                        {"known_share", g.known_share},
+                                        {"payload_torque_share", g.payload_torque_share},
+                                        {"payload_gravity_share", g.payload_gravity_share},
+                                        {"sentence", g.sentence}});
+    }
+  }
+  if (e.singular_values.size() > 0) json["singular_values"] = ToJson(e.singular_values);
   json["seconds"] = e.seconds;
-  return json.dump(1) + "\n";
+  return json;
+}
+
+std::string EstimateToJson(const Estimate& e) { return EstimateJson(e).dump(1) + "\n"; }
+
+std::string EstimatorTitle(const std::string& estimator) {
+  std::string title = "IDIM-";
+  for (const char c : estimator) title += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return title;
 }
 
 std::string EstimateToText(const Estimate& e) {
@@ -117,6 +140,10 @@ std::string EstimateToText(const Estimate& e) {
   text += Format("\n%d parameters, cond(W) = %.0f (weighted %.0f), relative error |rho|/|Y| = %.2f %%\n",
                  static_cast<int>(e.parameters.size()), e.condition_number, e.condition_number_weighted,
                  e.relative_error_percent);
+  for (const GainDiagnosis& g : e.gain_diagnoses) {
+    text += Format("\n%s (%s): ", g.name.c_str(), g.strength.c_str()) + g.sentence;
+  }
+  if (!e.gain_diagnoses.empty()) text += "\n";
   text += "\nrecording                    samples  relative error per joint, %\n";
   for (const RecordingFit& r : e.recordings) {
     text += Format("%-14s %-14s %6d ", r.name.c_str(), r.use.c_str(), r.samples);

@@ -35,16 +35,29 @@ struct RecordingFit {
   Eigen::VectorXd residual_lag1;          // autocorrelation of the decimated residual at lag 1: 0 if white
 };
 
+// How well the data determine one drive gain (solvers/gain_verdict.h).
+struct GainDiagnosis {
+  std::string name;
+  std::string strength;                // "strong", "weak" or "none"
+  double independent = 0.0;            // of its column, what no other unknown can imitate, in [0, 1]
+  double known_share = 0.0;            // of that, the share that the known payload explains, in [0, 1]
+  double payload_torque_share = 0.0;   // |known payload's torque| / |torque| on its joint, loaded recordings
+  double payload_gravity_share = 0.0;  // of gravity alone
+  std::string sentence;
+};
+
 struct Estimate {
   Status status;
   std::string robot;
   std::string estimator;
   std::vector<ParameterEstimate> parameters;
-  Eigen::MatrixXd covariance;               // in the order of `parameters`
-  std::vector<std::string> eliminated;      // not essential, set to zero
-  std::vector<std::string> without_effect;  // standard parameters that no torque depends on
-  Eigen::VectorXd position_noise;           // [rad or m] a sample, joint side
-  Eigen::VectorXd signal_noise;             // [signal unit] a sample
+  Eigen::MatrixXd covariance;                 // in the order of `parameters`
+  std::vector<std::string> eliminated;        // not essential, set to zero
+  std::vector<std::string> without_effect;    // standard parameters that no torque depends on
+  Eigen::VectorXd position_noise;             // [rad or m] a sample, joint side
+  Eigen::VectorXd signal_noise;               // [signal unit] a sample
+  std::vector<GainDiagnosis> gain_diagnoses;  // where gains are identified
+  Eigen::VectorXd singular_values;            // of W_tot, decreasing; total least squares only
   std::vector<RecordingFit> recordings;
   double condition_number = -1.0;
   double condition_number_weighted = -1.0;
@@ -57,6 +70,9 @@ struct Estimate {
 
 // Deterministic but for "seconds".
 std::string EstimateToJson(const Estimate& estimate);
+
+// "IDIM-WLS" of "wls".
+std::string EstimatorTitle(const std::string& estimator);
 
 // The text of the console: the paper's Table I with intervals, then the errors a recording.
 std::string EstimateToText(const Estimate& estimate);

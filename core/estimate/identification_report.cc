@@ -26,18 +26,19 @@ SeriesColor ColorOf(size_t k) {
   return kColors[k % std::size(kColors)];
 }
 
-std::string EstimatorTitle(const Estimate& e) { return e.estimator == "ls" ? "IDIM-LS" : "IDIM-WLS"; }
-
 Section Summary(const Estimate& e) {
   Section section;
   section.title = "Summary";
   KeyValues facts;
-  facts.entries = {{"estimator", EstimatorTitle(e)},
+  facts.entries = {{"estimator", EstimatorTitle(e.estimator)},
                    {"parameters", std::to_string(e.parameters.size())},
                    {"relative error |ρ| / |Y|", Text("%.2f %%", e.relative_error_percent)},
                    {"condition number of W", Text("%.0f", e.condition_number)},
                    {"of the weighted W", Text("%.0f", e.condition_number_weighted)},
                    {"filter", e.preprocessing}};
+  if (!e.status.ok()) {
+    section.blocks.emplace_back(Paragraph{"Not to be trusted: " + e.status.message(), Paragraph::Kind::kWarning});
+  }
   section.blocks.emplace_back(facts);
 
   Table errors;
@@ -69,6 +70,24 @@ Section Summary(const Estimate& e) {
             "white residuals, are too short.",
         Paragraph::Kind::kWarning});
   }
+  return section;
+}
+
+Section Gains(const Estimate& e) {
+  Section section;
+  section.title = "Drive gains";
+  Table table;
+  table.columns = {{"gain"}, {"value", Table::Align::kNumber}, {"% σ", Table::Align::kNumber}, {"verdict"}, {"why"}};
+  for (const GainDiagnosis& g : e.gain_diagnoses) {
+    std::vector<std::string> row = {g.name, "", "", g.strength, g.sentence};
+    for (const ParameterEstimate& p : e.parameters) {
+      if (p.parameter.name != g.name) continue;
+      row[1] = Text("%.4g", p.value);
+      row[2] = Text("%.2f", p.RelativeSigmaPercent());
+    }
+    table.rows.push_back(std::move(row));
+  }
+  section.blocks.emplace_back(std::move(table));
   return section;
 }
 
@@ -123,7 +142,7 @@ Section Parameters(const Estimate& e, const std::vector<Reference>& references) 
   const Eigen::Index count = static_cast<Eigen::Index>(e.parameters.size());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto blank = [&] { return Eigen::VectorXd::Constant(count, nan).eval(); };
-  IntervalFigure::Estimates own{EstimatorTitle(e), blank(), blank(), blank(), ColorOf(0)};
+  IntervalFigure::Estimates own{EstimatorTitle(e.estimator), blank(), blank(), blank(), ColorOf(0)};
   for (Eigen::Index k = 0; k < count; ++k) {
     const ParameterEstimate& p = e.parameters[k];
     figure.parameters.push_back(p.parameter.name);
@@ -216,8 +235,9 @@ std::string RenderIdentificationReport(const Estimate& estimate, const std::vect
                                        const std::vector<Reference>& references) {
   Report report;
   report.title = estimate.robot;
-  report.subtitle = "Dynamic parameters by " + EstimatorTitle(estimate);
+  report.subtitle = "Dynamic parameters by " + EstimatorTitle(estimate.estimator);
   report.sections.push_back(Summary(estimate));
+  if (!estimate.gain_diagnoses.empty()) report.sections.push_back(Gains(estimate));
   for (const RecordingSeries& s : series) report.sections.push_back(Torques(s));
   report.sections.push_back(Parameters(estimate, references));
   for (const RecordingSeries& s : series) report.sections.push_back(ResidualsOverTime(s));

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 #include "core/base/file.h"
@@ -63,6 +64,17 @@ Result<Reference> ReadReference(const std::string& path) {
     reference.parameters.push_back(std::move(parsed));
   }
   return reference;
+}
+
+Result<std::vector<Reference>> ReadReferences(const std::string& paths) {
+  std::vector<Reference> references;
+  std::stringstream list(paths);
+  for (std::string path; std::getline(list, path, ',');) {
+    Result<Reference> reference = ReadReference(path);
+    if (!reference.ok()) return reference.status();
+    references.push_back(std::move(reference).value());
+  }
+  return references;
 }
 
 double DifferenceInSigmas(const ParameterEstimate& estimate, const Reference::Entry& reference) {

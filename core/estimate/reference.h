@@ -29,6 +29,9 @@ struct Reference {
 // "standard_deviation" are read; so an estimate.json is a reference itself. Refuses what is not, naming file and key.
 Result<Reference> ReadReference(const std::string& path);
 
+// Of a comma-separated list of paths, in its order; empty for an empty list.
+Result<std::vector<Reference>> ReadReferences(const std::string& paths);
+
 // A line a parameter: the estimate, the reference, and their difference in standard deviations of the difference.
 std::string BesideReference(const Estimate& estimate, const Reference& reference);
 

@@ -1,0 +1,54 @@
+// Estimates judged on the validation recordings of a study: torque error, condition number, payload mass.
+
+#include <gflags/gflags.h>
+#include <glog/logging.h>
+
+#include <iostream>
+
+#include "apps/program.h"
+#include "core/base/file.h"
+#include "core/recording/study.h"
+#include "solvers/validation.h"
+#include "solvers/validation_report.h"
+
+DEFINE_string(estimate, "", "Comma-separated estimate.json files to judge, with their gains or the study's");
+DEFINE_string(output, "", "Directory for validation.json and report.html");
+
+namespace {
+
+using idim::Status;
+
+Status Run(const std::string& study_path) {
+  if (FLAGS_estimate.empty()) {
+    return Status::BadInput("--estimate: nothing to judge; expected one or more estimate.json files, comma-separated");
+  }
+  const idim::Result<std::vector<idim::Reference>> estimates = idim::ReadReferences(FLAGS_estimate);
+  if (!estimates.ok()) return estimates.status();
+  const idim::Result<idim::Study> study = idim::ReadStudy(study_path);
+  if (!study.ok()) return study.status();
+  idim::Progress progress;
+  const idim::Result<idim::PreparedStudy> prepared = idim::PrepareStudy(*study);
+  if (!prepared.ok()) return prepared.status();
+  std::vector<idim::Validation> validations;
+  for (const idim::Reference& estimate : *estimates) {
+    progress.At(estimate.name);
+    idim::Result<idim::Validation> validation = idim::Validate(*prepared, estimate);
+    if (!validation.ok()) return validation.status();
+    validations.push_back(std::move(validation).value());
+  }
+  const Status written =
+      idim::WriteFiles(FLAGS_output, {{"validation.json", idim::ValidationToJson(study->robot.name, validations)},
+                                      {"report.html", idim::RenderValidationReport(study->robot.name, validations)}});
+  if (!written.ok()) return written;
+  progress.Clear();
+  std::cout << idim::ValidationToText(validations);
+  std::cout << "\nwritten to " << FLAGS_output << ": validation.json report.html\n";
+  return Status::Ok();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return idim::RunProgram(argc, argv, "idim_validate", "STUDY", "estimates judged on recordings they have not seen",
+                          &Run, &FLAGS_output);
+}

@@ -1,0 +1,36 @@
+// Every estimator by the name that a command line gives it.
+
+#ifndef IDIM_SOLVERS_ESTIMATORS_H_
+#define IDIM_SOLVERS_ESTIMATORS_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/status.h"
+#include "solvers/identification.h"
+
+namespace idim {
+
+// What can be run on a study: ls wls with known gains; ls wls tls wtls gtls wgtls where gains are identified.
+std::vector<std::string> EstimatorNames(GainsMode gains_mode);
+
+// A prepared study with what its estimators share: one pass over the data, however many of them follow.
+class EstimatorRunner {
+ public:
+  // BadInput: as BuildGainSystem. The prepared study must outlive the runner.
+  static Result<EstimatorRunner> Create(const PreparedStudy* prepared);
+
+  // essential_ratio: r_sigma, 0 keeps all parameters. BadInput: no such estimator for this study, bad r_sigma.
+  Result<Identification> Run(const std::string& estimator, double essential_ratio) const;
+
+ private:
+  explicit EstimatorRunner(const PreparedStudy* prepared) : prepared_(prepared) {}
+
+  const PreparedStudy* prepared_;
+  std::optional<GainSystem> gain_system_;  // where gains are identified
+};
+
+}  // namespace idim
+
+#endif  // IDIM_SOLVERS_ESTIMATORS_H_

@@ -1,0 +1,38 @@
+// The torque of a recording by given parameters, and how far it is from the measured one.
+
+#ifndef IDIM_SOLVERS_PREDICTION_H_
+#define IDIM_SOLVERS_PREDICTION_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/estimate/estimate.h"
+#include "core/estimate/series.h"
+#include "core/observation/prepared_study.h"
+
+namespace idim {
+
+// All that a torque of the study depends on.
+struct ArmParameters {
+  Eigen::VectorXd gains;                 // n [N m or N per signal unit]
+  Eigen::VectorXd chi;                   // base parameters, in the order of BaseParameters
+  std::vector<InertialVector> payloads;  // one a payload of the study, in the frame of the last link
+};
+
+// Torque by signal and gains, and by the model, at the recorded instants and decimated.
+RecordingSeries Predict(const PreparedStudy& prepared, const PreparedRecording& recording,
+                        const ArmParameters& parameters);
+
+RecordingFit FitOf(const RecordingSeries& series);
+
+// 100 |Y - W chi| / |Y| over the decimated samples of all identification recordings.
+double RelativeErrorPercent(const std::vector<RecordingSeries>& series);
+
+// n [signal unit]: standard deviation of a logged signal about the model at the recorded rate, on its own side, over
+// the identification recordings.
+Eigen::VectorXd SignalDeviation(const Study& study, const Eigen::VectorXd& gains,
+                                const std::vector<RecordingSeries>& series);
+
+}  // namespace idim
+
+#endif  // IDIM_SOLVERS_PREDICTION_H_

@@ -1,0 +1,26 @@
+// Validations as text, JSON (schema idim.validation.1) and report.
+
+#ifndef IDIM_SOLVERS_VALIDATION_REPORT_H_
+#define IDIM_SOLVERS_VALIDATION_REPORT_H_
+
+#include <string>
+#include <vector>
+
+#include "solvers/validation.h"
+
+namespace idim {
+
+// The paper's Tables VI (relative error), V (condition number), VII and VIII (payload mass), a column an estimate.
+std::string ValidationToText(const std::vector<Validation>& validations);
+
+// {"schema", "robot", "estimates": [{"name", "gains", "recordings": [{"name", "payload", "condition_number",
+// "relative_error_percent", "relative_error_percent_all", "rms_torque", "rms_torque_unfiltered", "mass",
+// "mass_weighed", "mass_standard_deviation", "mass_error_percent"}]}]}; what is not known is null.
+std::string ValidationToJson(const std::string& robot, const std::vector<Validation>& validations);
+
+// One self-contained page. Deterministic.
+std::string RenderValidationReport(const std::string& robot, const std::vector<Validation>& validations);
+
+}  // namespace idim
+
+#endif  // IDIM_SOLVERS_VALIDATION_REPORT_H_

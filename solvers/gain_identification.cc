@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "solvers/least_squares.h"
+#include "solvers/signal_noise.h"
 #include "solvers/total_least_squares.h"
 
 namespace idim {
@@ -86,13 +87,7 @@ MatrixXd JointNoise(const GainSystem& system, const GainOptions& options) {
     return options.column_noise.rows() == n ? options.column_noise : options.column_noise.replicate(n, 1);
   }
   MatrixXd noise = MatrixXd::Zero(n, c);
-  if (!IsGeneralized(options.estimator)) return noise;
-  const VectorXd own = SignalNoise(system, options.rank_tolerance);
-  for (int k = 0; k < n; ++k) {
-    // The noise of a motor's signal is the same in all rows that it drives, up to the transmission.
-    const double norm = system.joints[k].R().col(k).norm();
-    for (int j = 0; j < n; ++j) noise(j, k) = norm > 0.0 ? own[k] * system.joints[j].R().col(k).norm() / norm : 0.0;
-  }
+  if (IsGeneralized(options.estimator)) noise.leftCols(n) = SignalNoise(system, options.rank_tolerance);
   return noise;
 }
 
@@ -173,10 +168,19 @@ Status CheckGains(const GainSystem& system, const GainSummary& summary) {
       why += (why.empty() ? "" : "; ") + std::string(text);
     }
   }
+  for (const GainVerdict& verdict : summary.verdicts) {
+    // What knows the noise of each column has corrected for it.
+    if (IsGeneralized(summary.given.estimator) || verdict.reliability >= summary.given.min_reliability) continue;
+    std::snprintf(text, sizeof(text), "%s = %.4g rests on a signal of reliability %.2g, below %.2g",
+                  verdict.name.c_str(), summary.values[verdict.joint - 1], verdict.reliability,
+                  summary.given.min_reliability);
+    why += (why.empty() ? "" : "; ") + std::string(text);
+  }
   if (why.empty()) return Status::Ok();
   why = "gains that cannot be trusted: " + why;
-  for (int j = 0; j < system.dof(); ++j) {
-    if (why.find(system.unknowns[j].name + " = ") != std::string::npos) why += ". " + summary.verdicts[j].sentence;
+  for (const GainVerdict& verdict : summary.verdicts) {
+    if (verdict.strength == GainStrength::kStrong || why.find(verdict.name + " = ") == std::string::npos) continue;
+    why += "\n" + verdict.sentence;
   }
   return Status::Untrusted(why);
 }
@@ -198,6 +202,10 @@ bool GainOptions::IsValid(std::string* error) const {
     *error = "max_spread_percent is " + std::to_string(max_spread_percent) + "; expected a number above 0";
     return false;
   }
+  if (!(min_reliability >= 0.0 && min_reliability < 1.0)) {
+    *error = "min_reliability is " + std::to_string(min_reliability) + "; expected a number in [0, 1)";
+    return false;
+  }
   TotalLeastSquaresOptions tls;
   tls.noise = column_noise.size() > 0 ? VectorXd(column_noise.colwise().maxCoeff()) : VectorXd();
   if (column_noise.size() > 0 && !(column_noise.array() >= 0.0).all()) tls.noise[0] = -1.0;
@@ -208,23 +216,6 @@ bool GainOptions::IsValid(std::string* error) const {
 
 double GainSummary::RelativeSigmaPercent(int unknown) const {
   return 100.0 * std::sqrt(covariance(unknown, unknown)) / std::abs(values[unknown]);
-}
-
-VectorXd SignalNoise(const GainSystem& system, double rank_tolerance) {
-  const int n = system.dof();
-  VectorXd noise(n);
-  for (int j = 0; j < n; ++j) {
-    const TriangularFactor& joint = system.joints[j];
-    const MatrixXd r = joint.R();
-    MatrixXd others(r.rows(), r.cols() - 1);
-    others << r.leftCols(j), r.rightCols(r.cols() - 1 - j);
-    const Remainder rest = RemainderOf(others, r.col(j), rank_tolerance);
-    const double rows = static_cast<double>(joint.rows());
-    // Noise-free data leave rounding, whose ratios mean nothing.
-    noise[j] = std::max(rest.norm / std::sqrt(std::max(1.0, rows - rest.rank)),
-                        kRoundingShare * r.col(j).norm() / std::sqrt(std::max(1.0, rows)));
-  }
-  return noise;
 }
 
 GainSummary SolveGains(const GainSystem& system, const GainOptions& options) {
@@ -246,10 +237,12 @@ GainSummary SolveGains(const GainSystem& system, const GainOptions& options) {
   const MatrixXd r_plain = plain.R();
   std::vector<int> all(unknowns);
   std::iota(all.begin(), all.end(), 0);
-  summary.status = DiagnoseRank(r_plain.leftCols(unknowns), all, system.unknowns, options.rank_tolerance);
-  if (!summary.status.ok()) return summary;
   summary.status = CheckScale(system, r_plain, options.rank_tolerance);
   if (!summary.status.ok()) return summary;
+  summary.status = DiagnoseRank(r_plain.leftCols(unknowns), all, system.unknowns, options.rank_tolerance);
+  if (!summary.status.ok()) return summary;
+
+  summary.verdicts = JudgeGains(system, options.rank_tolerance);
 
   const MatrixXd joint_noise = JointNoise(system, options);
   for (int k = 0; IsWeighted(options.estimator) && k < options.weight_iterations; ++k) {
@@ -289,7 +282,6 @@ GainSummary SolveGains(const GainSystem& system, const GainOptions& options) {
   VectorXd x(unknowns + 1);
   x << summary.values, 1.0;
   summary.relative_residual = (r_plain * x).norm() / (r_plain.leftCols(n) * x.head(n)).norm();
-  summary.verdicts = JudgeGains(system, summary.joint_sigma, summary.values.head(n), options.rank_tolerance);
   if (summary.status.ok()) summary.status = CheckGains(system, summary);
   return summary;
 }

@@ -60,13 +60,17 @@ struct GainOptions {
   double min_last_share = 1e-6;
   // A gain whose relative standard deviation is above this is not to be trusted [%], > 0. The paper's are 1 to 3.3 %.
   double max_spread_percent = 25.0;
+  // A gain whose GainVerdict::reliability is below this is not to be trusted from an estimator that does not know the
+  // noise of each column (all but kGtls and kWgtls), in [0, 1).
+  double min_reliability = 0.5;
 
   bool IsValid(std::string* error) const;
 };
 
 struct GainSummary {
   // Untrusted, by name: rank; degenerate TLS; a gain whose sign contradicts its a priori value; a gain whose relative
-  // standard deviation is above the limit. In the last three the numbers are there to be shown, not to be used.
+  // standard deviation is above the limit or whose reliability is below. In all but the first the numbers are there to
+  // be shown, not to be used.
   Status status = Status::Untrusted("SolveGains was not called");
   GainOptions given;
 
@@ -89,7 +93,7 @@ struct GainSummary {
   double last_share = -1.0;
   double scale_significance = -1.0;
 
-  std::vector<GainVerdict> verdicts;  // one a gain, of the rows solved with
+  std::vector<GainVerdict> verdicts;  // one a gain, of the data alone
 
   bool IsSolutionUsable() const { return status.ok(); }
   // 100 * standard deviation / |value| (eq. (11)); inf for a zero value.
@@ -98,12 +102,6 @@ struct GainSummary {
 
 // options must be valid (CHECK IsValid).
 GainSummary SolveGains(const GainSystem& system, const GainOptions& options);
-
-// n: standard deviation of the signal noise of each drive in the rows of its own joint [N m or N per unit gain, like
-// the column]: what ordinary least squares leaves of its column after all other columns of those equations, the known
-// torque included. The signal is the response there, so that its noise biases nothing; errors of the other columns and
-// of the model count as noise of the signal.
-Eigen::VectorXd SignalNoise(const GainSystem& system, double rank_tolerance);
 
 }  // namespace idim
 

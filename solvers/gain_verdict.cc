@@ -3,11 +3,13 @@
 #include <glog/logging.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
 #include "solvers/least_squares.h"
+#include "solvers/signal_noise.h"
+#include "solvers/total_least_squares.h"
 
 namespace idim {
 namespace {
@@ -40,7 +42,7 @@ std::string Load(const GainVerdict& v) {
   const std::string share = Percent(v.payload_torque_share) + " of its torque while loaded";
   if (v.payload_gravity_share < kNoTorque * v.payload_torque_share) {
     return "gravity of the known payload puts no torque on " + joint +
-           " (its axis stands parallel to gravity), so that its gain is known only through inertial and coupling "
+           " (as on an axis parallel to gravity), so that its gain is known only through inertial and coupling "
            "terms, " +
            share;
   }
@@ -49,37 +51,46 @@ std::string Load(const GainVerdict& v) {
 }
 
 std::string Sentence(const GainVerdict& v) {
-  const std::string bracket = std::isfinite(v.reverse) ? "between " + Number(v.least_squares) +
-                                                             " (LS, noise shrinks it) and " + Number(v.reverse)
-                                                       : "of any size above " + Number(v.least_squares);
-  const std::string shares = Percent(v.known_share) + " of what only " + v.name + " can explain (" +
-                             Percent(v.independent) + " of its signal) comes from the known payload";
+  const std::string noise = "no other parameter can imitate " + Percent(v.independent) + " of its signal, and " +
+                            Percent(std::min(1.0, 1.0 - v.reliability)) + " of the power of that is noise";
+  const std::string remedy =
+      " Use a heavier payload, or move this joint faster with the payload far out and more often.";
   switch (v.strength) {
     case GainStrength::kStrong:
-      return v.name + " is well determined: " + Load(v) + "; " + shares + ", the rest is noise.";
+      return v.name + " is well determined: " + Load(v) + "; " + noise + ".";
     case GainStrength::kWeak:
-      return v.name + " is weak: " + Load(v) + "; only " + shares + ", the rest is noise and model error, and a gain " +
-             bracket + " fits. Move a heavier payload, or move this joint faster with the payload far out.";
+      return v.name + " is weak: " + Load(v) + "; " + noise + ", which makes LS find " + Percent(v.reliability) +
+             " of the gain or less (here " + Number(v.least_squares) +
+             ") and plain TLS depend on units; an estimator that knows the noise of each column is needed (gtls)." +
+             remedy;
     case GainStrength::kNone:
       break;
   }
-  return v.name + " is not determined: " + Load(v) + "; only " + shares +
-         ", the rest is noise and model error, and a gain " + bracket +
-         " fits. Its estimate says how the estimator shares out noise, not what the gain is. Move a heavier payload, "
-         "move this joint faster with the payload far out, or take the gain as known.";
+  return v.name + " is not determined: " + Load(v) + "; " + noise +
+         ", so that its estimate says how the estimator shares out noise, not what the gain is." + remedy +
+         " Or take the gain as known.";
 }
 
 }  // namespace
 
-std::vector<GainVerdict> JudgeGains(const GainSystem& system, const VectorXd& row_sigma, const VectorXd& gains,
-                                    double rank_tolerance) {
+std::vector<GainVerdict> JudgeGains(const GainSystem& system, double rank_tolerance) {
   const int n = system.dof();
-  CHECK_EQ(row_sigma.size(), n);
-  CHECK_EQ(gains.size(), n);
   const Index unknowns = static_cast<Index>(system.unknowns.size());
   TriangularFactor factor(static_cast<int>(unknowns) + 1);
-  for (int j = 0; j < n; ++j) factor.Merge(system.joints[j], 1.0 / row_sigma[j]);
+  for (const TriangularFactor& joint : system.joints) factor.Merge(joint);
   const MatrixXd r = factor.R();
+  // Squared norm of the noise of each gain's column.
+  const MatrixXd signal_noise = SignalNoise(system, rank_tolerance);
+  VectorXd noise = VectorXd::Zero(n);
+  for (int i = 0; i < n; ++i) {
+    noise += static_cast<double>(system.joints[i].rows()) * signal_noise.row(i).cwiseAbs2().transpose();
+  }
+  TotalLeastSquaresOptions options;
+  options.noise = VectorXd::Zero(unknowns + 1);
+  options.noise.head(n) = noise.cwiseSqrt();
+  const VectorXd x = SolveTotalLeastSquares(r, factor.rows(), options).singular_vector;
+  const VectorXd gains = x.head(n);
+  const double known_scale = x[unknowns];
 
   std::vector<GainVerdict> verdicts;
   for (int j = 0; j < n; ++j) {
@@ -105,15 +116,17 @@ std::vector<GainVerdict> JudgeGains(const GainSystem& system, const VectorXd& ro
     } else {
       v.independent = v.unexplained = v.known_share = 0.0;
     }
-    v.reverse = v.known_share > 0.0 ? v.least_squares / v.known_share : std::numeric_limits<double>::infinity();
-    v.strength = v.known_share >= 2.0 / 3.0 ? GainStrength::kStrong
-                 : v.known_share >= 0.1     ? GainStrength::kWeak
+    v.noise = column > 0.0 ? std::sqrt(noise[j]) / column : 0.0;
+    v.reliability = left > 0.0 ? std::max(0.0, 1.0 - noise[j] / (left * left)) : 0.0;
+    v.strength = v.reliability >= 2.0 / 3.0 ? GainStrength::kStrong
+                 : v.reliability >= 0.2     ? GainStrength::kWeak
                                             : GainStrength::kNone;
 
     const MatrixXd loaded = system.loads[j].R();
     const double torque = (loaded.leftCols(n) * gains).norm();
-    v.payload_torque_share = torque > 0.0 ? loaded.col(n).norm() / torque : 0.0;
-    v.payload_gravity_share = torque > 0.0 ? loaded.col(n + 1).norm() / torque : 0.0;
+    const double scale = known_scale > 0.0 && torque > 0.0 ? known_scale / torque : 0.0;
+    v.payload_torque_share = loaded.col(n).norm() * scale;
+    v.payload_gravity_share = loaded.col(n + 1).norm() * scale;
     v.sentence = Sentence(v);
     verdicts.push_back(v);
   }

@@ -1,16 +1,17 @@
 // How well the data determine each drive gain, and why not where they do not.
 //
-// For gain j let v_j be its column, v' what is left of it once every other unknown has taken out what it can imitate,
-// and k' the known payload's torque treated alike. Only k' can hold v' to a scale:
+// For gain j let v_j be its column of W_tot, v' what is left of it once every other unknown has taken out what it can
+// imitate, k' the known payload's torque treated alike. v' alone can be held against k' for a scale:
 //   independent   |v'| / |v_j|: how much of the signal no other unknown can imitate;
-//   unexplained   |v''| / |v_j|, the known torque taken out too: noise and model error;
-//   known_share   1 - unexplained^2 / independent^2, the squared partial correlation of v_j with the known torque. 1:
-//                 all that only this gain can explain comes from the known payload. Near 0: v' is noise, to which
-//                 no scale can be given.
-// The regression of k' on v' (noise all in k') is the LS gain; the regression of v' on k' (noise all in v') is that
-// divided by known_share. A gain whose column is the only noisy one lies between the two (Frisch 1934), so known_share
-// is also what LS can have shrunk it to.
-//
+//   unexplained   |v''| / |v_j|, the known torque taken out too;
+//   known_share   1 - unexplained^2 / independent^2, the squared partial correlation of v_j with the known torque: the
+//                 share of what only this gain can explain that comes from the known payload. Over all equations, so
+//                 that the errors of every joint count against it;
+//   noise         |noise of v_j| / |v_j|, from its own joint's equations (solvers/signal_noise.h);
+//   reliability   1 - noise^2 / independent^2: the share of |v'|^2 that is signal (reliability ratio, Fuller
+//   1987, 1.1).
+//                 LS, to which the regressor v_j counts as exact, gives reliability times the gain where the other
+//                 columns are exact; shrunk gains of other joints shrink it further.
 // Torque shares are of loaded recordings: |known torque| and its gravity part against |V g| of the joint.
 
 #ifndef IDIM_SOLVERS_GAIN_VERDICT_H_
@@ -32,18 +33,20 @@ struct GainVerdict {
   double independent = -1.0;
   double unexplained = -1.0;
   double known_share = -1.0;
-  double least_squares = 0.0;  // [N m per signal unit], both regressions
-  double reverse = 0.0;        // inf where known_share is 0
+  double noise = -1.0;
+  double reliability = -1.0;
+  double least_squares = 0.0;  // [N m per signal unit] the LS gain, -v'.k' / |v'|^2
   double payload_torque_share = -1.0;
   double payload_gravity_share = -1.0;
-  // kWeak: the two regressions differ by more than a factor of 1.5; kNone: by more than 10.
+  // kStrong: reliability of at least 2/3; kNone: below 1/5.
   GainStrength strength = GainStrength::kNone;
   std::string sentence;  // for a person: what it is and why
 };
 
-// row_sigma: n, what the rows of each joint are divided by. gains: n, for the torque shares.
-std::vector<GainVerdict> JudgeGains(const GainSystem& system, const Eigen::VectorXd& row_sigma,
-                                    const Eigen::VectorXd& gains, double rank_tolerance);
+// Of the data alone, whatever estimator is used later: rows as recorded, torque shares with the gains of scaled TLS
+// with noise on the signals. The columns of the unknowns must be independent (DiagnoseRank) and none of the gains'
+// zero.
+std::vector<GainVerdict> JudgeGains(const GainSystem& system, double rank_tolerance);
 
 }  // namespace idim
 

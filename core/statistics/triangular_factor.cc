@@ -7,8 +7,9 @@
 namespace idim {
 namespace {
 
-// A strip of 24 columns of so many rows and a panel of 8 stay in a first-level cache of 48 kB.
-constexpr int kBlockRows = 128;
+// Few enough for a panel of 8 columns and a strip of 24 to stay in a first-level cache of 48 kB; between 128 and 512
+// the time differs by a few per cent.
+constexpr int kBlockRows = 192;
 
 int Octets(int columns) {
   CHECK_GT(columns, 0);

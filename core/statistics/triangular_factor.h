@@ -36,7 +36,7 @@ class TriangularFactor {
   // Adds the rows of `other`, each times `scale`. Same number of columns (CHECK).
   void Merge(const TriangularFactor& other, double scale = 1.0);
 
-  // columns() x columns(), upper triangular, diagonal of any sign.
+  // columns() x columns(), upper triangular, its diagonal not negative: for full rank, the one Cholesky factor of W'W.
   Eigen::MatrixXd R() const;
 
  private:

@@ -38,9 +38,10 @@ IDIM_ALWAYS_INLINE void SetReflector(int j, const double* products, double* r, R
   double* row = r + 8 * j;
   const double alpha = row[j], tail = products[j], squared = alpha * alpha + tail;
   for (int k = 0; k < kPanel; ++k) s[k] = 0.0;
-  if (tail == 0.0 || squared < 1e-290) return;  // d and T stay zero: no reflector. A NaN goes on.
-  const double beta = -std::copysign(std::sqrt(squared), alpha);
-  const double d = alpha - beta, tau = -1.0 / (beta * d);
+  // Nothing below the diagonal but what rounding would lose: d and T stay zero, no reflector. A NaN goes on.
+  if (tail < 1e-290 || tail <= 1e-40 * squared) return;
+  const double beta = std::sqrt(squared);
+  const double d = -tail / (alpha + beta), tau = -1.0 / (beta * d);
   row[j] = beta;
   for (int k = j + 1; k < kPanel; ++k) {
     s[k] = tau * (d * row[k] + products[k]);

@@ -8,11 +8,16 @@
 // of a strip in registers. A reflector stays unscaled, (R_jj - beta, x), so that T's off-diagonal inner products fall
 // out of the panel's passes and a column of any size keeps its own relative accuracy.
 //
+// R_jj keeps its sign, beta = +sqrt(R_jj^2 + x'x), and R_jj - beta is taken as -x'x / (R_jj + beta), without
+// cancellation (Golub & Van Loan 5.1.3): R changes by a small correction in each of many folds, where LAPACK's choice,
+// the other sign, turns every row over and rounds it anew.
+//
 // Plain doubles, no Eigen: the same source is compiled for several instruction sets and one is chosen at run time.
 // Variants group the sums differently and with or without fused multiply-add: R differs by rounding from one to the
 // other (1e-12 relative is tested), and is the same to the bit on every run of one variant.
 //
-// Limits: squares must be representable. A column whose whole norm, in R and in the block, is below 1e-145 is left out.
+// Limits: squares must not overflow; a column of a block whose norm is below 1e-145, or below 1e-20 of that in R, is
+// taken for zeros.
 
 #ifndef IDIM_CORE_STATISTICS_TRIANGULAR_FOLD_H_
 #define IDIM_CORE_STATISTICS_TRIANGULAR_FOLD_H_
@@ -49,8 +54,8 @@ enum class FoldVariant { kBaseline, kAvx2, kAvx512 };
 const std::vector<FoldVariant>& AvailableFoldVariants();
 
 // The upper triangle of r (8 * octets square) becomes that of [r; first `rows` rows of block]; rows <= block->rows().
-// Both have zeros right of column `columns` and as many octets. The block is destroyed but for that padding; its
-// number of rows is a multiple of four.
+// r's diagonal is not negative, before and after. Both have zeros right of column `columns` and as many octets. The
+// block is destroyed but for that padding; its number of rows is a multiple of four.
 void FoldIntoTriangle(FoldVariant variant, int columns, OctetMatrix* r, OctetMatrix* block, int rows);
 
 }  // namespace idim

@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "core/observation/observation_stream.h"
 #include "solvers/payload_unknowns.h"
 
 namespace idim {
@@ -47,39 +46,6 @@ MatrixXd GravityTorque(const BaseParameters& base, const MatrixXd& q, const Iner
   return torque;
 }
 
-void AddRecording(const PreparedStudy& prepared, const PreparedRecording& recording,
-                  const std::vector<std::array<int, kNumInertial>>& payload_columns, GainSystem* system) {
-  const Study& study = prepared.study;
-  const int n = study.robot.dof();
-  const int payload = recording.entry.payload;
-  const InertialVector known = KnownPayload(study, payload);
-  const bool loaded = known.norm() > 0.0;
-  MatrixXd gravity;
-  if (loaded) gravity = GravityTorque(prepared.base, recording.decimator.Apply(recording.states.q), known);
-  // Row j: how the torque of joint j is made of the motors' (JointTorque of one motor at a time).
-  const MatrixXd drive = JointTorque(study, VectorXd::Ones(n), MatrixXd::Identity(n, n)).transpose();
-  const int columns = static_cast<int>(system->unknowns.size()) + 1;
-  RowMajorMatrix rows = RowMajorMatrix::Zero(n, columns);
-  RowMajorMatrix load = RowMajorMatrix::Zero(n, n + 2);
-  Eigen::Index sample = 0;
-  StreamObservations(prepared.base, recording.states, recording.recording.signal, prepared.velocity_sigma,
-                     recording.decimator, [&](const Observation& observation) {
-                       rows.leftCols(n) = drive * observation.signal.asDiagonal();
-                       rows.middleCols(n, prepared.base.size()) = -observation.base;
-                       for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
-                         const int column = payload_columns[payload][k];
-                         if (column >= 0) rows.col(column) = -observation.payload.col(k);
-                       }
-                       rows.col(columns - 1) = -observation.payload * known;
-                       for (int j = 0; j < n; ++j) system->joints[j].AddRow(rows.row(j));
-                       if (!loaded) return;
-                       load.leftCols(n) = rows.leftCols(n);
-                       load.col(n) = -rows.col(columns - 1);
-                       load.col(n + 1) = gravity.row(sample++).transpose();
-                       for (int j = 0; j < n; ++j) system->loads[j].AddRow(load.row(j));
-                     });
-}
-
 }  // namespace
 
 void GainSystem::Merge(const GainSystem& other) {
@@ -101,16 +67,62 @@ std::vector<Parameter> GainParameters(int dof) {
 
 Result<GainSystem> BuildGainSystem(const PreparedStudy& prepared) {
   const Study& study = prepared.study;
-  if (Status status = CheckStudy(study); !status.ok()) return status;
-  std::vector<Parameter> unknowns = GainParameters(study.robot.dof());
-  unknowns.insert(unknowns.end(), prepared.base.parameters().begin(), prepared.base.parameters().end());
-  const std::vector<std::array<int, kNumInertial>> payload_columns = AppendPayloadUnknowns(study, &unknowns);
-  GainSystem system(std::move(unknowns), study.robot.dof());
+  const int n = study.robot.dof();
+  Result<GainRows> rows = GainRows::Create(prepared);
+  if (!rows.ok()) return rows.status();
+  GainSystem system(rows->unknowns(), n);
   system.a_priori_gains = study.gains;
+  const Eigen::Index known_column = static_cast<Eigen::Index>(system.unknowns.size());
   for (const PreparedRecording& recording : prepared.recordings) {
-    if (recording.entry.use == Use::kIdentification) AddRecording(prepared, recording, payload_columns, &system);
+    if (recording.entry.use != Use::kIdentification) continue;
+    const InertialVector known = KnownPayload(study, recording.entry.payload);
+    const bool loaded = known.norm() > 0.0;
+    MatrixXd gravity;
+    if (loaded) gravity = GravityTorque(prepared.base, recording.decimator.Apply(recording.states.q), known);
+    RowMajorMatrix load = RowMajorMatrix::Zero(n, n + 2);
+    Eigen::Index sample = 0;
+    rows->Stream(recording, [&](const RowMajorMatrix& w) {
+      for (int j = 0; j < n; ++j) system.joints[j].AddRow(w.row(j));
+      if (!loaded) return;
+      load.leftCols(n) = w.leftCols(n);
+      load.col(n) = -w.col(known_column);
+      load.col(n + 1) = gravity.row(sample++).transpose();
+      for (int j = 0; j < n; ++j) system.loads[j].AddRow(load.row(j));
+    });
   }
   return system;
+}
+
+Result<GainRows> GainRows::Create(const PreparedStudy& prepared) {
+  if (Status status = CheckStudy(prepared.study); !status.ok()) return status;
+  GainRows rows(prepared);
+  rows.unknowns_ = GainParameters(prepared.study.robot.dof());
+  rows.unknowns_.insert(rows.unknowns_.end(), prepared.base.parameters().begin(), prepared.base.parameters().end());
+  rows.payload_columns_ = AppendPayloadUnknowns(prepared.study, &rows.unknowns_);
+  return rows;
+}
+
+void GainRows::Stream(const PreparedRecording& recording,
+                      const std::function<void(const RowMajorMatrix& rows)>& visit) const {
+  const Study& study = prepared_.study;
+  const int n = study.robot.dof();
+  const int payload = recording.entry.payload;
+  const InertialVector known = KnownPayload(study, payload);
+  // Row j: how the torque of joint j is made of the motors' (JointTorque of one motor at a time).
+  const MatrixXd drive = JointTorque(study, VectorXd::Ones(n), MatrixXd::Identity(n, n)).transpose();
+  const Eigen::Index known_column = static_cast<Eigen::Index>(unknowns_.size());
+  RowMajorMatrix rows = RowMajorMatrix::Zero(n, known_column + 1);
+  StreamObservations(prepared_.base, recording.states, recording.recording.signal, prepared_.velocity_sigma,
+                     recording.decimator, [&](const Observation& observation) {
+                       rows.leftCols(n) = drive * observation.signal.asDiagonal();
+                       rows.middleCols(n, prepared_.base.size()) = -observation.base;
+                       for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
+                         const int column = payload_columns_[payload][k];
+                         if (column >= 0) rows.col(column) = -observation.payload.col(k);
+                       }
+                       rows.col(known_column) = -observation.payload * known;
+                       visit(rows);
+                     });
 }
 
 }  // namespace idim

@@ -13,11 +13,14 @@
 #define IDIM_SOLVERS_GAIN_SYSTEM_H_
 
 #include <Eigen/Core>
+#include <array>
+#include <functional>
 #include <utility>
 #include <vector>
 
 #include "core/base/status.h"
 #include "core/dynamics/parameters.h"
+#include "core/observation/observation_stream.h"
 #include "core/observation/prepared_study.h"
 #include "core/statistics/triangular_factor.h"
 
@@ -43,6 +46,25 @@ struct GainSystem {
 
 // g1..gn.
 std::vector<Parameter> GainParameters(int dof);
+
+// The rows of W_tot, one decimated sample after the other.
+class GainRows {
+ public:
+  using RowMajorMatrix = Observation::RowMajorMatrix;
+  // BadInput as BuildGainSystem. `prepared` must outlive this.
+  static Result<GainRows> Create(const PreparedStudy& prepared);
+
+  const std::vector<Parameter>& unknowns() const { return unknowns_; }
+  // Calls `visit` with n x (unknowns + 1) for each sample in order of time.
+  void Stream(const PreparedRecording& recording, const std::function<void(const RowMajorMatrix& rows)>& visit) const;
+
+ private:
+  explicit GainRows(const PreparedStudy& prepared) : prepared_(prepared) {}
+
+  const PreparedStudy& prepared_;
+  std::vector<Parameter> unknowns_;
+  std::vector<std::array<int, kNumInertial>> payload_columns_;
+};
 
 // One pass over the identification recordings of a study with gains.mode identify.
 // BadInput: gains that are known; no identification recording with a payload of which a parameter other than 0 is

@@ -48,55 +48,57 @@ std::optional<Coefficient> Determine(const MatrixXd& a, const VectorXd& b, Index
 SequentialGains SolveSequentialGains(const GainSystem& system, double rank_tolerance) {
   const int n = system.dof();
   const int unknowns = static_cast<int>(system.unknowns.size());
-  std::vector<std::optional<double>> known(unknowns);
-  std::vector<double> passed_values;
+  std::vector<std::optional<Coefficient>> payload(unknowns);  // the best found so far
   SequentialGains result;
   result.gains = result.standard_deviation = VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
 
   // False where the joint's equation holds nothing known, or does not determine its gain.
-  const auto visit = [&](int j) {
+  const auto visit = [&](int j, bool take_over) {
     const MatrixXd r = system.joints[j].R();
-    VectorXd b = -r.col(unknowns);
+    VectorXd known = -r.col(unknowns);
     std::vector<int> columns;
+    Index gains = 0;
     for (int k = 0; k < unknowns; ++k) {
-      if (known[k]) {
-        b -= *known[k] * r.col(k);
+      if (take_over && payload[k]) {
+        known -= payload[k]->value * r.col(k);
       } else if (r.col(k).norm() > 0.0) {
         columns.push_back(k);
+        gains += k < n;
       }
     }
     const auto own = std::find(columns.begin(), columns.end(), j);
-    if (b.norm() == 0.0 || own == columns.end()) return false;
+    if (own == columns.end()) return false;
     const MatrixXd a = SelectColumns(r, columns).leftCols(static_cast<Index>(columns.size()));
+    const Remainder rest = RemainderOf(a.rightCols(a.cols() - gains), known, rank_tolerance);
+    if (!(rest.norm > kDetermined * known.norm())) return false;
     const double rows = static_cast<double>(system.joints[j].rows());
-    const std::optional<Coefficient> gain = Determine(a, b, own - columns.begin(), rows, rank_tolerance);
+    const std::optional<Coefficient> gain = Determine(a, known, own - columns.begin(), rows, rank_tolerance);
     if (!gain) return false;
     result.gains[j] = gain->value;
     result.standard_deviation[j] = gain->standard_deviation;
     result.order.push_back(j);
-    known[j] = gain->value;
     for (size_t k = 0; k < columns.size(); ++k) {
-      const Parameter& parameter = system.unknowns[columns[k]];
-      if (parameter.kind != ParameterKind::kPayload) continue;
-      const std::optional<Coefficient> value = Determine(a, b, static_cast<Index>(k), rows, rank_tolerance);
-      if (!value) continue;
-      known[columns[k]] = value->value;
-      result.passed_on.push_back(parameter);
-      passed_values.push_back(value->value);
+      if (system.unknowns[columns[k]].kind != ParameterKind::kPayload) continue;
+      const std::optional<Coefficient> found = Determine(a, known, static_cast<Index>(k), rows, rank_tolerance);
+      std::optional<Coefficient>& best = payload[columns[k]];
+      if (found && (!best || found->standard_deviation < best->standard_deviation)) best = found;
     }
     return true;
   };
+  std::vector<bool> done(n, false);
+  for (int j = 0; j < n; ++j) done[j] = visit(j, false);
   for (bool progress = true; progress;) {
     progress = false;
     for (int j = 0; j < n; ++j) {
-      if (!known[j]) progress |= visit(j);
+      if (done[j] || !visit(j, true)) continue;
+      done[j] = progress = true;
+      result.after_others.push_back(j);
     }
   }
 
-  result.passed_on_values = Eigen::Map<VectorXd>(passed_values.data(), static_cast<Index>(passed_values.size()));
   std::string missing;
   for (int j = 0; j < n; ++j) {
-    if (!known[j]) missing += (missing.empty() ? "" : ", ") + system.unknowns[j].name;
+    if (!done[j]) missing += (missing.empty() ? "" : ", ") + system.unknowns[j].name;
   }
   result.status = missing.empty() ? Status::Ok()
                                   : Status::Untrusted("sequential identification finds no " + missing +

@@ -6,14 +6,14 @@
 // to step", with "good results only for the first four joints". It does not give their algorithms. What stands here is
 // no more than these sentences ask for:
 //
-//   at joint j, from its rows of W_tot alone,   V_j g_j - W_j chi - W_uL,j chi_uL = W_kL,j chi_kL + (what is passed
-//   on), by least squares with all of chi, chi_uL and other joints' gains in these rows as nuisances (the equations of
-//   one joint do not determine them all; what is independent of them determines g_j).
+//   at joint j, from its rows of W_tot alone,   V_j g_j - W_j chi - W_uL,j chi_uL = W_kL,j chi_kL,
+//   by least squares, all of chi, chi_uL and other joints' gains in these rows being nuisances (the equations of one
+//   joint do not determine them all; what is independent of them determines g_j).
 //
-// Payload parameters and gains that the equation of one joint determines are passed on to the next joints as if known:
-// with the mass alone known, joints whose axis meets the origin of the last frame (4 to 6 of a spherical wrist) see
-// nothing known until then. This is how errors accumulate. A joint which sees nothing known waits until all others are
-// done; one that never sees anything keeps no gain. Joints in the order 1 to n.
+// With the mass alone known, the joints of a spherical wrist see nothing known, or nothing that their own unknown
+// payload parameters would not make as well. They wait until all others are done and take over what those found of the
+// payload, of each parameter the value with the smallest standard deviation, as if known. This is how errors
+// accumulate. A joint that still sees nothing known keeps no gain. Joints in the order 1 to n.
 //
 // The standard deviation counts the row noise of that joint alone, not the errors of what was passed on: too small, as
 // in the papers of that method.
@@ -35,8 +35,7 @@ struct SequentialGains {
   Eigen::VectorXd gains;               // n, NaN where not found
   Eigen::VectorXd standard_deviation;  // n, NaN likewise
   std::vector<int> order;              // zero-based joints as they were done
-  std::vector<Parameter> passed_on;    // payload parameters taken as known on the way, with ...
-  Eigen::VectorXd passed_on_values;    // ... these values
+  std::vector<int> after_others;       // of these, the ones that took over payload parameters
 };
 
 SequentialGains SolveSequentialGains(const GainSystem& system, double rank_tolerance = 1e-10);

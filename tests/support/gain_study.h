@@ -28,6 +28,7 @@ struct GainScenario {
   unsigned seed = 1;
   unsigned noise_seed = 1;
   double mass = 4.59;
+  double speed = 1.0;      // times 0.1 to 1 Hz
   double amplitude = 0.5;  // [rad] or [m] of each harmonic at most
 };
 
@@ -92,7 +93,7 @@ inline GainStudy MakeGainStudy(const GainScenario& scenario) {
     states.q = states.dq = states.ddq = Eigen::MatrixXd::Zero(samples, n);
     for (int j = 0; j < n; ++j) {
       for (int h = 0; h < 4; ++h) {
-        const double w = 2.0 * M_PI * random.Uniform(0.1, 1.0);
+        const double w = 2.0 * M_PI * scenario.speed * random.Uniform(0.1, 1.0);
         const double a = random.Uniform(0.3, 1.0) * scenario.amplitude, phase = random.Uniform(0.0, 2.0 * M_PI);
         const Eigen::ArrayXd angle = w * recording.t.array() + phase;
         states.q.col(j).array() += a * angle.sin();

@@ -1,4 +1,4 @@
-#include "solvers/exogeneity_test.h"
+#include "solvers/exogeneity.h"
 
 #include <glog/logging.h>
 
@@ -150,64 +150,67 @@ ExogeneityTest TestExogeneity(const MatrixXd& r, std::int64_t rows, int instrume
   return test;
 }
 
-Result<std::vector<LaggedFactor>> BuildLaggedFactors(const PreparedStudy& prepared, const LaggedOptions& options) {
+Result<LaggedSystem> BuildLaggedSystem(const PreparedStudy& prepared, const LaggedOptions& options) {
   if (options.lag < 1 || options.stride < 1) {
     return Status::BadInput("lag is " + std::to_string(options.lag) + " and stride " + std::to_string(options.stride) +
                             "; expected both at least 1");
   }
   const Result<GainRows> rows = GainRows::Create(prepared);
   if (!rows.ok()) return rows.status();
-  const int n = prepared.study.robot.dof();
   const int unknowns = static_cast<int>(rows->unknowns().size());
-
-  // Which columns are not zero in which joint's rows.
-  Eigen::ArrayXXd used = Eigen::ArrayXXd::Zero(n, unknowns + 1);
-  const auto each = [&](const std::function<void(const GainRows::RowMajorMatrix&)>& visit,
-                        const std::function<void()>& begin) {
-    for (const PreparedRecording& recording : prepared.recordings) {
-      if (recording.entry.use != Use::kIdentification) continue;
-      begin();
-      rows->Stream(recording, visit);
-    }
-  };
-  each([&](const GainRows::RowMajorMatrix& w) { used = used.max(w.array().abs()); }, [] {});
-  std::vector<LaggedFactor> factors;
-  for (int j = 0; j < n; ++j) {
-    LaggedFactor factor{TriangularFactor(1), 0, {}, {}, used(j, unknowns) > 0.0};
-    for (int k = 0; k < unknowns; ++k) {
-      if (used(j, k) == 0.0) continue;
-      const bool suspected = k < n || options.suspects == Suspects::kAll;
-      if (suspected) factor.suspects.push_back(static_cast<int>(factor.unknowns.size()));
-      factor.unknowns.push_back(k);
-    }
-    factor.instruments = 2 * static_cast<int>(factor.suspects.size());
-    factor.factor = TriangularFactor(factor.instruments + static_cast<int>(factor.unknowns.size()) + 1);
-    factors.push_back(std::move(factor));
-  }
+  LaggedSystem system;
+  system.dof = prepared.study.robot.dof();
+  const int suspected = options.suspects == Suspects::kSignals ? system.dof : unknowns;
+  for (int k = 0; k < suspected; ++k) system.suspects.push_back(k);
+  system.instruments = 2 * suspected;
+  system.joints.assign(system.dof, TriangularFactor(system.instruments + unknowns + 1));
 
   const int lag = options.lag;
   std::deque<GainRows::RowMajorMatrix> window;  // 2 lag + 1 samples
   std::int64_t sample = 0;
-  each(
-      [&](const GainRows::RowMajorMatrix& w) {
-        window.push_back(w);
-        if (static_cast<int>(window.size()) > 2 * lag + 1) window.pop_front();
-        if (static_cast<int>(window.size()) < 2 * lag + 1 || sample++ % options.stride != 0) return;
-        for (int j = 0; j < n; ++j) {
-          LaggedFactor& f = factors[j];
-          Eigen::RowVectorXd row(f.factor.columns());
-          Index c = 0;
-          for (const int k : f.suspects) {
-            row[c++] = window.front()(j, f.unknowns[k]);
-            row[c++] = window.back()(j, f.unknowns[k]);
-          }
-          for (const int k : f.unknowns) row[c++] = window[lag](j, k);
-          row[c] = -window[lag](j, unknowns);
-          f.factor.AddRow(row);
-        }
-      },
-      [&] { window.clear(); });
-  return factors;
+  Eigen::RowVectorXd row(system.instruments + unknowns + 1);
+  for (const PreparedRecording& recording : prepared.recordings) {
+    if (recording.entry.use != Use::kIdentification) continue;
+    window.clear();
+    rows->Stream(recording, [&](const GainRows::RowMajorMatrix& w) {
+      window.push_back(w);
+      if (static_cast<int>(window.size()) > 2 * lag + 1) window.pop_front();
+      if (static_cast<int>(window.size()) < 2 * lag + 1 || sample++ % options.stride != 0) return;
+      for (int j = 0; j < system.dof; ++j) {
+        row << window.front().row(j).head(suspected), window.back().row(j).head(suspected),
+            window[lag].row(j).head(unknowns), -window[lag](j, unknowns);
+        system.joints[j].AddRow(row);
+      }
+    });
+  }
+  return system;
+}
+
+ExogeneityTest TestJointExogeneity(const LaggedSystem& system, int joint, const ExogeneityOptions& options) {
+  const MatrixXd r = system.joints[joint].R();
+  const int columns = static_cast<int>(r.cols()) - system.instruments - 1;
+  const Remainder known = RemainderOf(r.middleCols(system.instruments + system.dof, columns - system.dof),
+                                      r.rightCols<1>(), options.rank_tolerance);
+  if (!(known.norm > 1e-8 * r.rightCols<1>().norm())) {
+    ExogeneityTest test;
+    test.given = options;
+    test.status = Status::Untrusted("exogeneity test: the equations of joint " + std::to_string(joint + 1) +
+                                    " alone hold nothing known, so that least squares has nothing to be biased about");
+    return test;
+  }
+  std::vector<int> suspects;
+  for (const int k : system.suspects) {
+    if (r.col(system.instruments + k).norm() > 0.0) suspects.push_back(k);
+  }
+  return TestExogeneity(r, system.joints[joint].rows(), system.instruments, suspects, options);
+}
+
+ExogeneityTest TestAllExogeneity(const LaggedSystem& system, const VectorXd& row_sigma,
+                                 const ExogeneityOptions& options) {
+  CHECK_EQ(row_sigma.size(), system.dof);
+  TriangularFactor factor(system.joints[0].columns());
+  for (int j = 0; j < system.dof; ++j) factor.Merge(system.joints[j], 1.0 / row_sigma[j]);
+  return TestExogeneity(factor.R(), factor.rows(), system.instruments, system.suspects, options);
 }
 
 }  // namespace idim

@@ -13,6 +13,7 @@ packages=(
   libyaml-cpp-dev nlohmann-json3-dev liburdfdom-dev libcsv-dev # files
   libgoogle-glog-dev libgflags-dev                             # checks and command lines
   libgtest-dev libgmock-dev libbenchmark-dev
+  libopenblas-dev                                              # the peer of benchmarks/tsqr_benchmark.cc
 )
 case "${1-}" in
   "") ;;

@@ -4,7 +4,7 @@
 //
 // Panels of P columns are factored one reflector after the other, each in one pass over the panel that applies
 // reflector j and at the same time takes the inner products reflector j + 1 needs. The other columns get the P
-// reflectors at once in compact WY form, C <- C - V (T' (V'C)) (Schreiber & Van Loan 1989), strip by strip, V'C and T
+// reflectors at once in compact WY form, C <- C - V (T' (V'C)) (Schreiber & Van Loan 1989), strip by strip, V'C
 // of a strip in registers. A reflector stays unscaled, (R_jj - beta, x), so that T's off-diagonal inner products fall
 // out of the panel's passes and a column of any size keeps its own relative accuracy.
 //
@@ -31,7 +31,7 @@ struct alignas(64) ColumnOctet {
   double values[8] = {};
 };
 
-// `rows` x 8 * `octets` values, an octet of columns after the other: row i of octet g is octets_[g * (rows + 1) + i].
+// `rows` x 8 * `octets` values, an octet of columns after the other: row i of octet g is storage_[g * (rows + 1) + i].
 // One cache line between the octets keeps those of a row out of one cache set.
 class OctetMatrix {
  public:

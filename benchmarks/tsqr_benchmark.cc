@@ -134,7 +134,7 @@ VectorXd LapackLastVector(const char* jobz, MatrixXd* w) {
   const int rows = static_cast<int>(w->rows()), columns = static_cast<int>(w->cols());
   MatrixXd u(rows, columns), vt(columns, columns);
   VectorXd s(columns);
-  std::vector<int> integers(8 * columns);
+  std::vector<int> integers(8 * static_cast<std::size_t>(columns));
   int info = 0, size = -1;
   double best = 0.0;
   dgesdd_(jobz, &rows, &columns, w->data(), &rows, s.data(), u.data(), &rows, vt.data(), &columns, &best, &size,
@@ -240,12 +240,12 @@ void MatrixProduct(Measurement* m) {
   MatrixXd c = MatrixXd::Zero(n, n);
   const auto multiply = [&] { dgemm_("N", "N", &n, &n, &n, &one, a.data(), &n, b.data(), &n, &zero, c.data(), &n); };
   multiply();
-  constexpr int kTimes = 10;
+  const int times = 10;
   m->Start();
-  for (int k = 0; k < kTimes; ++k) multiply();
+  for (int k = 0; k < times; ++k) multiply();
   m->Stop();
   m->error = (c.col(0) - a * b.col(0)).norm() / c.col(0).norm();
-  const double floor = 2.0 * FLAGS_rows * FLAGS_columns * FLAGS_columns / (kTimes * 2.0 * n * n * n);
+  const double floor = 2.0 * FLAGS_rows * FLAGS_columns * FLAGS_columns / (times * 2.0 * n * n * n);
   m->cpu *= floor;
   m->wall *= floor;
 }

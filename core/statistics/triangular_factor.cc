@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <cstddef>
 #include <cstring>
 
 namespace idim {
@@ -59,7 +60,7 @@ Eigen::MatrixXd TriangularFactor::R() const {
 }
 
 void TriangularFactor::Buffer(const double* values, Eigen::Index stride) {
-  double* to = block_.octet(0) + 8 * buffered_;
+  double* to = block_.octet(0) + 8 * std::ptrdiff_t{buffered_};
   for (int left = columns_; left > 0; left -= 8, values += 8 * stride, to += block_.octet_stride()) {
     if (left >= 8 && stride == 1) {
       std::memcpy(to, values, sizeof(ColumnOctet));

@@ -1,6 +1,7 @@
 #include "core/statistics/triangular_fold.h"
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 
 namespace idim {
@@ -35,7 +36,7 @@ struct Reflectors {
 // of x_j each later column falls. r: the panel's diagonal block in R.
 template <int kPanel>
 IDIM_ALWAYS_INLINE void SetReflector(int j, const double* products, double* r, Reflectors<kPanel>* h, double* s) {
-  double* row = r + 8 * j;
+  double* row = r + 8 * std::ptrdiff_t{j};
   const double alpha = row[j], tail = products[j], squared = alpha * alpha + tail;
   for (int k = 0; k < kPanel; ++k) s[k] = 0.0;
   // Nothing below the diagonal but what rounding would lose: d and T stay zero, no reflector. A NaN goes on.
@@ -72,25 +73,30 @@ IDIM_ALWAYS_INLINE void FactorPanel(double* panel, int rows, int count, double* 
     for (int v = 0; v < kVectors; ++v) Load(s + kLanes * v, factor[v]);
     const double* x = panel + (j < 0 ? 0 : j);  // at first any column, since s is zero
     const double* next = panel + j + 1;
-    const double next_factor = s[j + 1];
-    for (int i = 0; i < rows; i += 4) {
+    for (std::ptrdiff_t i = 0; i < rows; i += 4) {
+      Vector y[4][kVectors];
 #pragma GCC unroll 4
-      for (int u = 0; u < 4; ++u) {
-        const int at = 8 * (i + u);
+      for (std::ptrdiff_t u = 0; u < 4; ++u) {
+        const std::ptrdiff_t at = 8 * (i + u);
         const double xi = x[at];
-        const double next_xi = next[at] - xi * next_factor;
 #pragma GCC unroll 8
         for (int v = 0; v < kVectors; ++v) {
-          Vector y;
-          Load(panel + at + kLanes * v, y);
-          y -= xi * factor[v];
-          Store(y, panel + at + kLanes * v);
-          sum[u][v] += next_xi * y;
+          Load(panel + at + kLanes * v, y[u][v]);
+          y[u][v] -= xi * factor[v];
+          Store(y[u][v], panel + at + kLanes * v);
         }
+      }
+      // Read back, not computed anew: x_{j+1} may be all rounding, and a reflector must be what its products are of.
+#pragma GCC unroll 4
+      for (std::ptrdiff_t u = 0; u < 4; ++u) {
+        const double next_xi = next[8 * (i + u)];
+#pragma GCC unroll 8
+        for (int v = 0; v < kVectors; ++v) sum[u][v] += next_xi * y[u][v];
       }
     }
     for (int v = 0; v < kVectors; ++v) {
-      Store(Vector((sum[0][v] + sum[1][v]) + (sum[2][v] + sum[3][v])), products + kLanes * v);
+      const Vector total = (sum[0][v] + sum[1][v]) + (sum[2][v] + sum[3][v]);
+      Store(total, products + kLanes * v);
     }
   }
 }
@@ -107,11 +113,11 @@ IDIM_ALWAYS_INLINE void UpdateStrip(const double* panel, int rows, const Reflect
   for (int p = 0; p < kPanel; ++p) {
 #pragma GCC unroll 8
     for (int q = 0; q < kVectors; ++q) {
-      Load(r[q] + 8 * p, z[p][q]);
+      Load(r[q] + 8 * std::ptrdiff_t{p}, z[p][q]);
       z[p][q] *= h.d[p];
     }
   }
-  for (int i = 0; i < rows; ++i) {
+  for (std::ptrdiff_t i = 0; i < rows; ++i) {
     Vector c[kVectors];
 #pragma GCC unroll 8
     for (int q = 0; q < kVectors; ++q) Load(column[q] + 8 * i, c[q]);
@@ -134,12 +140,12 @@ IDIM_ALWAYS_INLINE void UpdateStrip(const double* panel, int rows, const Reflect
 #pragma GCC unroll 8
     for (int q = 0; q < kVectors; ++q) {
       Vector y;
-      Load(r[q] + 8 * p, y);
+      Load(r[q] + 8 * std::ptrdiff_t{p}, y);
       y -= h.d[p] * z[p][q];
-      Store(y, r[q] + 8 * p);
+      Store(y, r[q] + 8 * std::ptrdiff_t{p});
     }
   }
-  for (int i = 0; i < rows; ++i) {
+  for (std::ptrdiff_t i = 0; i < rows; ++i) {
     Vector c[kVectors];
 #pragma GCC unroll 8
     for (int q = 0; q < kVectors; ++q) Load(column[q] + 8 * i, c[q]);
@@ -163,17 +169,17 @@ IDIM_ALWAYS_INLINE void Fold(int columns, OctetMatrix* r, OctetMatrix* block, in
     double* panel = block->octet(first / 8) + first % 8;
     Reflectors<kPanel> h;
     const int count = columns - first < kPanel ? columns - first : kPanel;
-    FactorPanel<kPanel, kLanes>(panel, rows, count, r->octet(first / 8) + 8 * first + first % 8, &h);
+    FactorPanel<kPanel, kLanes>(panel, rows, count, r->octet(first / 8) + 8 * std::ptrdiff_t{first} + first % 8, &h);
     // Strips of nearly equal width: a single left-over vector would wait for its own sums.
     int vector = (first + kPanel) / kLanes;
     for (int strips = (vectors - vector + kStrip - 1) / kStrip; strips > 0; --strips) {
       const int width = (vectors - vector + strips - 1) / strips;
-      double* in_block[kStrip];
-      double* in_r[kStrip];
+      double* in_block[kStrip] = {};
+      double* in_r[kStrip] = {};
       for (int q = 0; q < width; ++q) {
         const int column = (vector + q) * kLanes;
         in_block[q] = block->octet(column / 8) + column % 8;
-        in_r[q] = r->octet(column / 8) + 8 * first + column % 8;
+        in_r[q] = r->octet(column / 8) + 8 * std::ptrdiff_t{first} + column % 8;
       }
       switch (width) {
         case 1:
@@ -221,7 +227,9 @@ const std::vector<FoldVariant>& AvailableFoldVariants() {
 void FoldIntoTriangle(FoldVariant variant, int columns, OctetMatrix* r, OctetMatrix* block, int rows) {
   // The panel's sums run over four rows at a time; zero rows add nothing.
   for (; rows % 4 != 0; ++rows) {
-    for (int g = 0; g < block->octets(); ++g) std::memset(block->octet(g) + 8 * rows, 0, sizeof(ColumnOctet));
+    for (int g = 0; g < block->octets(); ++g) {
+      std::memset(block->octet(g) + 8 * std::ptrdiff_t{rows}, 0, sizeof(ColumnOctet));
+    }
   }
   switch (variant) {
     case FoldVariant::kBaseline:

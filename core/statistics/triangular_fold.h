@@ -4,7 +4,7 @@
 //
 // Panels of P columns are factored one reflector after the other, each in one pass over the panel that applies
 // reflector j and at the same time takes the inner products reflector j + 1 needs. The other columns get the P
-// reflectors at once in compact WY form, C <- C - V (T' (V'C)) (Schreiber & Van Loan 1989), strip by strip, V'C
+// reflectors at once in compact WY form, C <- C - V (T' (V'C)) (Schreiber & Van Loan 1989), strip by strip, the V'C
 // of a strip in registers. A reflector stays unscaled, (R_jj - beta, x), so that T's off-diagonal inner products fall
 // out of the panel's passes and a column of any size keeps its own relative accuracy.
 //
@@ -22,6 +22,7 @@
 #ifndef IDIM_CORE_STATISTICS_TRIANGULAR_FOLD_H_
 #define IDIM_CORE_STATISTICS_TRIANGULAR_FOLD_H_
 
+#include <cstddef>
 #include <vector>
 
 namespace idim {
@@ -35,15 +36,18 @@ struct alignas(64) ColumnOctet {
 // One cache line between the octets keeps those of a row out of one cache set.
 class OctetMatrix {
  public:
-  OctetMatrix(int rows, int octets) : rows_(rows), octets_(octets), storage_((rows + 1) * octets) {}
+  OctetMatrix(int rows, int octets)
+      : rows_(rows), octets_(octets), storage_(static_cast<std::size_t>(octets) * (rows + 1)) {}
   int rows() const { return rows_; }
   int octets() const { return octets_; }
-  int octet_stride() const { return 8 * (rows_ + 1); }  // in doubles
-  double* octet(int g) { return storage_[g * (rows_ + 1)].values; }
-  double operator()(int i, int j) const { return storage_[j / 8 * (rows_ + 1) + i].values[j % 8]; }
-  double& operator()(int i, int j) { return storage_[j / 8 * (rows_ + 1) + i].values[j % 8]; }
+  std::ptrdiff_t octet_stride() const { return 8 * (std::ptrdiff_t{rows_} + 1); }  // in doubles
+  double* octet(int g) { return storage_[At(0, 8 * g)].values; }
+  double operator()(int i, int j) const { return storage_[At(i, j)].values[j % 8]; }
+  double& operator()(int i, int j) { return storage_[At(i, j)].values[j % 8]; }
 
  private:
+  std::size_t At(int i, int j) const { return static_cast<std::size_t>(j / 8) * (rows_ + 1) + i; }
+
   int rows_, octets_;
   std::vector<ColumnOctet> storage_;
 };

@@ -145,8 +145,7 @@ std::string DefectMessage(const GainSystem& system, const std::vector<int>& kept
   std::snprintf(number, sizeof(number), "%.3g", tls.separation);
   return std::string("degenerate total least squares: the two smallest singular values are not separated (ratio ") +
          number + "), so that noise decides between the solution and a mixture of " + names(tls.weak_direction) +
-         ". Excite these parameters more, cancel them (r_sigma), or use an estimator that knows the noise of each "
-         "column (gtls)";
+         ". Excite these parameters more, or use an estimator that knows the noise of each column (gtls)";
 }
 
 // Gains that no one should use, or Ok.

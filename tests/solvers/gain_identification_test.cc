@@ -100,7 +100,7 @@ struct Synthetic {
   GainSystem system;
 };
 
-Synthetic MakeSynthetic(double noise, unsigned seed) {
+Synthetic MakeSynthetic(double noise, unsigned seed, double last_parameter = 1.0) {
   const int n = 2, parameters = 4, samples = 300;
   std::mt19937_64 generator(seed);
   std::normal_distribution<double> normal;
@@ -113,6 +113,7 @@ Synthetic MakeSynthetic(double noise, unsigned seed) {
     MatrixXd w = MatrixXd::NullaryExpr(samples, parameters, [&] { return normal(generator); });
     VectorXd known = VectorXd::NullaryExpr(samples, [&] { return normal(generator); });
     if (j == 1) w.col(0).setZero();
+    w.col(parameters - 1) *= last_parameter;
     rows.col(j) = (w * chi + known) / gains[j];
     rows.middleCols(n, parameters) = -w;
     rows.col(n + parameters) = -known;
@@ -268,6 +269,44 @@ TEST(GainIdentification, NamesGainsOfTheWrongSignAndOfLargeSpread) {
   EXPECT_EQ(summary.status.code(), StatusCode::kUntrusted);
   EXPECT_THAT(summary.status.message(), HasSubstr("g1 = "));
   EXPECT_THAT(summary.status.message(), HasSubstr("relative standard deviation"));
+}
+
+// A parameter whose column is nothing but noise makes a second smallest singular value as small as the first.
+TEST(GainIdentification, NamesADegenerateTls) {
+  const Synthetic synthetic = MakeSynthetic(0.05, 10, 1e-4);
+  GainSummary summary = Solve(synthetic.system, GainEstimator::kTls);
+  EXPECT_LT(summary.separation, 1.05);
+  EXPECT_EQ(summary.status.code(), StatusCode::kUntrusted);
+  EXPECT_THAT(summary.status.message(), HasSubstr("the two smallest singular values are not separated"));
+  EXPECT_THAT(summary.status.message(), HasSubstr("p3"));
+  EXPECT_FALSE(summary.IsSolutionUsable());
+  // The other defect, by its limit.
+  GainOptions options;
+  options.estimator = GainEstimator::kTls;
+  options.min_last_share = 0.99;
+  summary = SolveGains(MakeSynthetic(0.05, 10).system, options);
+  EXPECT_EQ(summary.status.code(), StatusCode::kUntrusted);
+  EXPECT_THAT(summary.status.message(), HasSubstr("the last component of the singular vector is near zero"));
+}
+
+// Scaled TLS is told the noise of each column and each joint: the generalised eigenvector of the summed covariance.
+TEST(GainIdentification, GtlsTakesTheNoiseOfEachColumnAndJoint) {
+  const Synthetic synthetic = MakeSynthetic(0.05, 11);
+  GainOptions options;
+  options.column_noise.resize(2, 7);
+  options.column_noise << 0.1, 0.0, 0.2, 0.1, 0.3, 0.1, 0.05,  //
+      0.0, 0.3, 0.1, 0.2, 0.1, 0.1, 0.2;
+  for (const GainEstimator estimator : {GainEstimator::kGtls, GainEstimator::kWgtls}) {
+    options.estimator = estimator;
+    const GainSummary summary = SolveGains(synthetic.system, options);
+    ASSERT_TRUE(summary.IsSolutionUsable()) << summary.status.message();
+    const MatrixXd w = synthetic.rows.Stacked(summary.joint_sigma);
+    const VectorXd squares =
+        (summary.joint_sigma.cwiseInverse().asDiagonal() * options.column_noise).colwise().squaredNorm();
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> eigen(w.transpose() * w, MatrixXd(squares.asDiagonal()));
+    const VectorXd x = eigen.eigenvectors().col(0) / eigen.eigenvectors()(6, 0);
+    EXPECT_LT((summary.values - x.head(6)).norm(), 1e-10 * x.norm()) << GainEstimatorName(estimator);
+  }
 }
 
 TEST(GainIdentification, NamesWhatIsNotIdentifiable) {

@@ -15,7 +15,8 @@ namespace idim {
 // What can be run on a study: ls wls with known gains; ls wls tls wtls gtls wgtls where gains are identified.
 std::vector<std::string> EstimatorNames(GainsMode gains_mode);
 
-// A prepared study with what its estimators share: one pass over the data, however many of them follow.
+// A prepared study with what its estimators share: where gains are identified, one pass over the data, however many of
+// them follow.
 class EstimatorRunner {
  public:
   // BadInput: as BuildGainSystem. The prepared study must outlive the runner.

@@ -1,5 +1,6 @@
 #include "solvers/identification.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -36,21 +37,27 @@ void AddRecording(const PreparedStudy& prepared, const PreparedRecording& record
                      });
 }
 
-// Standard deviation of a joint's decimated torque by the a priori noise of the signals; empty where the study has
-// none.
-VectorXd APrioriSigma(const PreparedStudy& prepared) {
-  const Study& study = prepared.study;
-  if (study.signal_noise.size() == 0) return VectorXd();
+// n x n: torque of the joints = map * signal of the drives.
+MatrixXd TorqueOfSignal(const Study& study, const VectorXd& gains) {
   const int n = study.robot.dof();
-  const Decimator& decimator = prepared.recordings[0].decimator;
-  const int output = decimator.outputs() / 2;
-  double gain = 0.0;  // sum of squared weights of one output
-  for (int i = decimator.FirstSample(output); i <= decimator.LastSample(output); ++i) {
-    const Decimator::Contribution c = decimator.At(i);
-    if (output >= c.first && output < c.first + c.count) gain += std::pow(c.weights[output - c.first], 2);
-  }
-  const MatrixXd map = JointTorque(study, study.gains, MatrixXd::Identity(n, n)).transpose();
-  return (map.cwiseAbs2() * study.signal_noise.cwiseAbs2() * gain).cwiseSqrt();
+  return JointTorque(study, gains, MatrixXd::Identity(n, n)).transpose();
+}
+
+// Standard deviation of each joint's torque by the a priori noise of the signals, at the recorded rate; empty where
+// the study has none. Decimation divides that of all joints by the same number, and only ratios count as weights.
+VectorXd APrioriSigma(const Study& study) {
+  if (study.signal_noise.size() == 0) return VectorXd();
+  return (TorqueOfSignal(study, study.gains).cwiseAbs2() * study.signal_noise.cwiseAbs2()).cwiseSqrt();
+}
+
+// n x columns: the same for each column of a GainSystem, of which the signals' alone are noisy. Again only ratios
+// count.
+MatrixXd APrioriColumnNoise(const Study& study, size_t columns) {
+  if (study.signal_noise.size() == 0) return MatrixXd();
+  const int n = study.robot.dof();
+  MatrixXd noise = MatrixXd::Zero(n, static_cast<Eigen::Index>(columns));
+  noise.leftCols(n) = TorqueOfSignal(study, VectorXd::Ones(n)).cwiseAbs() * study.signal_noise.asDiagonal();
+  return noise;
 }
 
 Status CheckValidationPayloads(const Study& study) {
@@ -83,12 +90,13 @@ Estimate Begin(const PreparedStudy& prepared, const Status& status, const std::s
   return estimate;
 }
 
-// Parameters with their intervals, those with zero variance (eliminated) left out.
+// Parameters with their intervals, the eliminated ones left out.
 void SetParameters(const PreparedStudy& prepared, const std::vector<Parameter>& unknowns, const VectorXd& values,
-                   const MatrixXd& covariance, double degrees_of_freedom, int first_base, Estimate* estimate) {
+                   const MatrixXd& covariance, double degrees_of_freedom, int first_base,
+                   const std::vector<std::string>& eliminated, Estimate* estimate) {
   std::vector<int> kept;
   for (int k = 0; k < static_cast<int>(unknowns.size()); ++k) {
-    if (covariance(k, k) == 0.0) continue;
+    if (std::find(eliminated.begin(), eliminated.end(), unknowns[k].name) != eliminated.end()) continue;
     ParameterEstimate p;
     p.parameter = unknowns[k];
     p.value = values[k];
@@ -155,7 +163,7 @@ Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const Linea
     if (recording.entry.use == Use::kIdentification) AddRecording(prepared, recording, columns, &system);
   }
   LinearOptions used = options;
-  if (used.a_priori_sigma.size() == 0) used.a_priori_sigma = APrioriSigma(prepared);
+  if (used.a_priori_sigma.size() == 0) used.a_priori_sigma = APrioriSigma(study);
   const LinearSummary summary = SolveLinear(system, used);
 
   Identification result;
@@ -163,7 +171,7 @@ Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const Linea
   estimate = Begin(prepared, summary.status, options.weighted ? "wls" : "ls");
   if (!summary.IsSolutionUsable()) return result;
   SetParameters(prepared, unknowns, summary.values, summary.covariance, static_cast<double>(summary.degrees_of_freedom),
-                0, &estimate);
+                0, summary.eliminated, &estimate);
   estimate.eliminated = summary.eliminated;
   estimate.condition_number = summary.condition_number;
   estimate.condition_number_weighted = summary.condition_number_solved;
@@ -179,7 +187,9 @@ Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSy
   std::vector<Parameter> unknowns = GainParameters(n);
   unknowns.insert(unknowns.end(), prepared.base.parameters().begin(), prepared.base.parameters().end());
   const PayloadColumns columns = AppendPayloadUnknowns(study, &unknowns);
-  const GainSummary summary = SolveGains(system, options);
+  GainOptions used = options;
+  if (used.column_noise.size() == 0) used.column_noise = APrioriColumnNoise(study, unknowns.size() + 1);
+  const GainSummary summary = SolveGains(system, used);
 
   Identification result;
   Estimate& estimate = result.estimate;
@@ -188,7 +198,7 @@ Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSy
   estimate.singular_values = summary.singular_values;
   if (summary.values.size() == 0) return result;
   SetParameters(prepared, unknowns, summary.values, summary.covariance, static_cast<double>(summary.degrees_of_freedom),
-                n, &estimate);
+                n, summary.eliminated, &estimate);
   estimate.eliminated = summary.eliminated;
   estimate.condition_number = summary.condition_number;
   estimate.condition_number_weighted = summary.condition_number_solved;

@@ -22,14 +22,15 @@ struct Identification {
   std::vector<RecordingSeries> series;
 };
 
-// LS or WLS with known drive gains; rows weighted by the study's a priori signal noise where it has one. BadInput:
+// LS or WLS with known drive gains; WLS rows weighted by the study's a priori signal noise where it has one. BadInput:
 // unknown gains, a validation payload that no identification recording carries. What the data cannot tell is in
 // estimate.status.
 Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const LinearOptions& options);
 
 // Drive gains and parameters together. system: of the same study (BuildGainSystem), so that several estimators share
-// one pass over the data. A status that is not ok comes with the numbers where there are any: to be shown, not to be
-// used.
+// one pass over the data. Scaled total least squares takes the columns' noise from options.column_noise, else from the
+// study's a priori signal noise, else from the data. A status that is not ok comes with the numbers where there are
+// any: to be shown, not to be used.
 Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSystem& system,
                                      const GainOptions& options);
 

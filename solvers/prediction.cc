@@ -62,10 +62,9 @@ RecordingFit FitOf(const RecordingSeries& series) {
   fit.rms_torque = ColumnRms(residual);
   fit.rms_torque_unfiltered = ColumnRms(series.torque - series.model);
   const Eigen::Index last = residual.rows() - 1;
-  fit.residual_lag1 = (residual.topRows(last).cwiseProduct(residual.bottomRows(last)))
-                          .colwise()
-                          .sum()
-                          .cwiseQuotient(residual.colwise().squaredNorm());
+  const VectorXd power = residual.colwise().squaredNorm();
+  const VectorXd lagged = residual.topRows(last).cwiseProduct(residual.bottomRows(last)).colwise().sum();
+  fit.residual_lag1 = (power.array() > 0.0).select(lagged.cwiseQuotient(power), 0.0);
   return fit;
 }
 

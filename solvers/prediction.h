@@ -23,6 +23,8 @@ struct ArmParameters {
 RecordingSeries Predict(const PreparedStudy& prepared, const PreparedRecording& recording,
                         const ArmParameters& parameters);
 
+// A relative error is infinite (or NaN for a residual of zero) on a joint without any torque; a residual of zero has an
+// autocorrelation of 0.
 RecordingFit FitOf(const RecordingSeries& series);
 
 // 100 |Y - W chi| / |Y| over the decimated samples of all identification recordings.

@@ -1,6 +1,7 @@
 #include "solvers/validation.h"
 
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "core/base/text.h"
@@ -16,14 +17,14 @@ namespace {
 
 using Eigen::VectorXd;
 
-// Whether a plain name of the estimate ("MX7") speaks of this payload: the only one, or the one that the study's
+// Whether a plain name of the estimate ("MX7") speaks of this payload: the only one, or the only one that the study's
 // identification recordings carry.
 bool IsTheEstimates(const Study& study, int payload) {
-  bool carried = study.payloads.size() == 1;
+  std::set<int> carried;
   for (const RecordingEntry& entry : study.recordings) {
-    carried |= entry.use == Use::kIdentification && entry.payload == payload;
+    if (entry.use == Use::kIdentification && entry.payload >= 0) carried.insert(entry.payload);
   }
-  return carried;
+  return study.payloads.size() == 1 || carried == std::set<int>{payload};
 }
 
 // The ten parameters of a payload: known to the study, else to the estimate, which leaves out what was not essential.
@@ -96,6 +97,10 @@ std::optional<double> MassEstimate::ErrorPercent() const {
 Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Reference& estimate) {
   const Study& study = prepared.study;
   const int n = study.robot.dof();
+  if (!estimate.robot.empty() && !study.robot.name.empty() && estimate.robot != study.robot.name) {
+    return Status::BadInput("estimate '" + estimate.name + "' is of robot '" + estimate.robot + "', that of " +
+                            study.path + " is '" + study.robot.name + "'; expected an estimate of the same robot");
+  }
   ArmParameters arm;
   arm.gains = study.gains;
   const std::vector<Parameter> gains = GainParameters(n);
@@ -139,7 +144,8 @@ Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Referenc
     }
   }
   if (found == 0) {
-    return Status::BadInput("estimate '" + estimate.name + "' has none of the base parameters of " + study.path);
+    return Status::BadInput("estimate '" + estimate.name + "' has none of the base parameters of " + study.path +
+                            "; expected base parameters, such as '" + names[0] + "'");
   }
   for (int p = 0; p < static_cast<int>(study.payloads.size()); ++p) {
     arm.payloads.push_back(PayloadOf(study, p, estimate).value_or(InertialVector::Zero()));
@@ -152,6 +158,7 @@ Result<Validation> Validate(const PreparedStudy& prepared, const Reference& esti
   if (!arm.ok()) return arm.status();
   Validation validation;
   validation.name = estimate.name;
+  validation.warning = estimate.warning;
   validation.gains = arm->gains;
   for (const PreparedRecording& recording : prepared.recordings) {
     if (recording.entry.use != Use::kValidation) continue;

@@ -31,22 +31,24 @@ struct MassEstimate {
 
 struct ValidationOfRecording {
   std::string name;
-  std::string payload;               // empty: none
-  std::optional<RecordingFit> fit;   // absent: the payload has parameters that neither the study nor the estimate knows
-  double condition_number = -1.0;    // of its base columns
-  std::optional<MassEstimate> mass;  // absent: no payload, or no unloaded identification recording
+  std::string payload;              // empty: none
+  std::optional<RecordingFit> fit;  // absent: the payload has parameters that neither the study nor the estimate knows
+  double condition_number = -1.0;   // of its base columns
+  // Absent: no payload, no unloaded identification recording, or one that does not identify it together with this.
+  std::optional<MassEstimate> mass;
 };
 
 struct Validation {
-  std::string name;  // of the estimate
+  std::string name;     // of the estimate
+  std::string warning;  // why it says itself that it is not to be trusted, or empty
   Eigen::VectorXd gains;
   std::vector<ValidationOfRecording> recordings;
   std::vector<RecordingSeries> series;  // of the recordings with a fit
 };
 
 // The parameters of an estimate.json in the order of the study's model. Gains: the estimate's, else the study's. Base
-// parameters that it lacks are zero (not essential). BadInput: neither has gains; it has parameters that the study's
-// model does not; it has none of the model's.
+// parameters that it lacks are zero (not essential). BadInput: it states another robot; neither has gains; it has
+// parameters that the study's model does not; it has none of the model's.
 Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Reference& estimate);
 
 // BadInput: as ParametersOf; a study without validation recording.

@@ -1,19 +1,17 @@
 #include "solvers/validation_report.h"
 
-#include <cstdio>
+#include <glog/logging.h>
+
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
+#include "core/base/text.h"
 #include "core/report/report.h"
 
 namespace idim {
 namespace {
-
-std::string Text(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, value);
-  return text;
-}
 
 // Tables of strings, for the console and for the page alike: the first column says which row it is.
 struct PlainTable {
@@ -29,6 +27,7 @@ PlainTable Start(const std::string& title, const std::string& first, const std::
 }
 
 std::vector<PlainTable> Tables(const std::vector<Validation>& validations) {
+  CHECK(!validations.empty());
   std::vector<PlainTable> tables;
   PlainTable errors = Start("Relative error norm of the torque, % (Table VI)", "recording, joint", validations);
   PlainTable masses = Start("Payload mass estimated anew, kg +- standard deviation (error in %) (Tables VII, VIII)",
@@ -36,7 +35,7 @@ std::vector<PlainTable> Tables(const std::vector<Validation>& validations) {
   PlainTable conditions{"Condition number of W (Table V)", {"recording", "cond(W)"}, {}};
   const std::vector<ValidationOfRecording>& recordings = validations[0].recordings;
   for (size_t r = 0; r < recordings.size(); ++r) {
-    conditions.rows.push_back({recordings[r].name, Text("%.0f", recordings[r].condition_number)});
+    conditions.rows.push_back({recordings[r].name, Format("%.0f", recordings[r].condition_number)});
     Eigen::Index joints = 0;
     for (const Validation& v : validations) {
       if (v.recordings[r].fit) joints = v.recordings[r].fit->relative_error_percent.size();
@@ -46,8 +45,8 @@ std::vector<PlainTable> Tables(const std::vector<Validation>& validations) {
       for (const Validation& v : validations) {
         const auto& fit = v.recordings[r].fit;
         row.push_back(!fit          ? "-"
-                      : j == joints ? Text("%.2f", fit->relative_error_percent_all)
-                                    : Text("%.2f", fit->relative_error_percent[j]));
+                      : j == joints ? Format("%.2f", fit->relative_error_percent_all)
+                                    : Format("%.2f", fit->relative_error_percent[j]));
       }
       errors.rows.push_back(std::move(row));
     }
@@ -55,12 +54,12 @@ std::vector<PlainTable> Tables(const std::vector<Validation>& validations) {
     bool any = false;
     for (const Validation& v : validations) {
       const auto& mass = v.recordings[r].mass;
-      if (mass && mass->weighed && !any) row[0] += Text(", %.4g", *mass->weighed);
+      if (mass && mass->weighed && !any) row[0] += Format(", %.4g", *mass->weighed);
       any |= mass.has_value();
       std::string cell = "-";
       if (mass) {
-        cell = Text("%.3f", mass->value) + Text(" +- %.3f", mass->standard_deviation);
-        if (mass->ErrorPercent()) cell += Text(" (%.2f)", *mass->ErrorPercent());
+        cell = Format("%.3f", mass->value) + Format(" +- %.3f", mass->standard_deviation);
+        if (mass->ErrorPercent()) cell += Format(" (%.2f)", *mass->ErrorPercent());
       }
       row.push_back(std::move(cell));
     }
@@ -70,6 +69,30 @@ std::vector<PlainTable> Tables(const std::vector<Validation>& validations) {
     if (!table->rows.empty()) tables.push_back(std::move(*table));
   }
   return tables;
+}
+
+// Table VI as bars, a figure a recording.
+Section Errors(const std::vector<Validation>& validations) {
+  Section section;
+  section.title = "Relative error of the torque";
+  FigureGrid grid;
+  for (size_t r = 0; r < validations[0].recordings.size(); ++r) {
+    BarFigure figure;
+    figure.title = validations[0].recordings[r].name;
+    figure.y_title = "relative error [%]";
+    for (size_t k = 0; k < validations.size(); ++k) {
+      const auto& fit = validations[k].recordings[r].fit;
+      if (!fit) continue;
+      figure.sets.push_back({validations[k].name, fit->relative_error_percent, ColorOfSet(k)});
+    }
+    if (figure.sets.empty()) continue;
+    for (Eigen::Index j = 1; j <= figure.sets[0].value.size(); ++j) {
+      figure.categories.push_back("joint " + std::to_string(j));
+    }
+    grid.figures.emplace_back(std::move(figure));
+  }
+  if (!grid.figures.empty()) section.blocks.emplace_back(std::move(grid));
+  return section;
 }
 
 template <typename T>
@@ -84,22 +107,12 @@ std::vector<double> ToVector(const Eigen::VectorXd& v) { return {v.data(), v.dat
 std::string ValidationToText(const std::vector<Validation>& validations) {
   std::string text;
   for (const PlainTable& table : Tables(validations)) {
-    std::vector<size_t> width(table.columns.size());
-    for (size_t c = 0; c < width.size(); ++c) {
-      width[c] = table.columns[c].size();
-      for (const auto& row : table.rows) width[c] = std::max(width[c], row[c].size());
-    }
-    const auto line = [&](const std::vector<std::string>& cells) {
-      for (size_t c = 0; c < cells.size(); ++c) {
-        const std::string pad(width[c] - cells[c].size(), ' ');
-        text += c == 0 ? cells[c] + pad : "  " + pad + cells[c];
-      }
-      text += "\n";
-    };
-    text += table.title + "\n";
-    line(table.columns);
-    for (const auto& row : table.rows) line(row);
-    text += "\n";
+    std::vector<std::vector<std::string>> lines = {table.columns};
+    lines.insert(lines.end(), table.rows.begin(), table.rows.end());
+    text += (text.empty() ? "" : "\n") + table.title + "\n" + AlignColumns(lines);
+  }
+  for (const Validation& v : validations) {
+    if (!v.warning.empty()) text += "\n" + v.name + " is not to be trusted: " + v.warning + "\n";
   }
   return text;
 }
@@ -112,6 +125,7 @@ std::string ValidationToJson(const std::string& robot, const std::vector<Validat
   for (const Validation& v : validations) {
     nlohmann::ordered_json estimate;
     estimate["name"] = v.name;
+    estimate["warning"] = v.warning;
     estimate["gains"] = ToVector(v.gains);
     estimate["recordings"] = nlohmann::ordered_json::array();
     for (const ValidationOfRecording& r : v.recordings) {
@@ -158,7 +172,12 @@ std::string RenderValidationReport(const std::string& robot, const std::vector<V
     table.rows = plain.rows;
     summary.blocks.emplace_back(std::move(table));
   }
+  for (const Validation& v : validations) {
+    if (v.warning.empty()) continue;
+    summary.blocks.emplace_back(Paragraph{v.name + " is not to be trusted: " + v.warning, Paragraph::Kind::kWarning});
+  }
   report.sections.push_back(std::move(summary));
+  if (Section errors = Errors(validations); !errors.blocks.empty()) report.sections.push_back(std::move(errors));
   for (const Validation& v : validations) {
     for (const RecordingSeries& s : v.series) {
       Section section;

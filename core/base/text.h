@@ -24,10 +24,17 @@ std::string DescribeNumberProblem(NumberText problem, std::string_view text);
 // Shortest decimal text that reads back to the same double.
 std::string FormatNumber(double value);
 
+// printf into a string, of any length.
+[[gnu::format(printf, 1, 2)]] std::string Format(const char* format, ...);
+
 // At most 40 characters, control characters shown as '?'.
 std::string Clip(std::string_view text);
 
 std::string Join(const std::vector<std::string>& parts, const std::string& separator);
+
+// Columns below each other, two blanks apart: the first to the left, the others to the right. Rows may be of different
+// length; UTF-8.
+std::string AlignColumns(const std::vector<std::vector<std::string>>& rows);
 
 // The candidate with the smallest edit distance (ties: the first); "" without candidates.
 std::string NearestName(const std::string& name, const std::vector<std::string>& candidates);

@@ -2,26 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+#include <optional>
 #include <utility>
 
+#include "core/base/text.h"
 #include "core/estimate/estimate_json.h"
 #include "core/report/report.h"
 
 namespace idim {
 namespace {
 
-std::string Text(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, value);
-  return text;
-}
-
-SeriesColor ColorOf(size_t k) {
-  static constexpr SeriesColor kColors[] = {SeriesColor::kModel, SeriesColor::kMeasured, SeriesColor::kOrange,
-                                            SeriesColor::kTeal,  SeriesColor::kPurple,   SeriesColor::kResidual};
-  return kColors[k % std::size(kColors)];
+// A percentage to a tenth; of a parameter near zero it says no more than that it is large.
+std::string Percent(double value) {
+  constexpr double kLargest = 9999.0;
+  if (std::abs(value) < kLargest) return Format("%.1f", value);
+  return value > 0.0 ? ">9999" : "<-9999";
 }
 
 const ParameterEstimate* Find(const Estimate& estimate, const std::string& name) {
@@ -67,8 +63,10 @@ Section Verdicts(const std::vector<Estimate>& estimates) {
                    {"weighted", Table::Align::kRight},
                    {"verdict"}};
   for (const Estimate& e : estimates) {
-    table.rows.push_back({EstimatorTitle(e.estimator), Text("%.2f", e.relative_error_percent),
-                          Text("%.0f", e.condition_number), Text("%.0f", e.condition_number_weighted),
+    const bool solved = !e.parameters.empty();
+    table.rows.push_back({EstimatorTitle(e.estimator), solved ? Format("%.2f", e.relative_error_percent) : "",
+                          solved ? Format("%.0f", e.condition_number) : "",
+                          solved ? Format("%.0f", e.condition_number_weighted) : "",
                           e.status.ok() ? "ok" : "not to be trusted: " + e.status.message()});
   }
   section.blocks.emplace_back(std::move(table));
@@ -88,12 +86,12 @@ Table ValueTable(const std::vector<Estimate>& estimates, const std::vector<Refer
     std::vector<std::string> row = {parameter.name, parameter.unit};
     for (const Estimate& e : estimates) {
       const ParameterEstimate* p = Find(e, parameter.name);
-      row.push_back(p == nullptr ? "" : Text("%.4g", p->value));
-      row.push_back(p == nullptr ? "" : Text("%.2f", p->RelativeSigmaPercent()));
+      row.push_back(p == nullptr ? "" : Format("%.4g", p->value));
+      row.push_back(p == nullptr ? "" : Format("%.2f", p->RelativeSigmaPercent()));
     }
     for (const Reference& r : references) {
       const Reference::Entry* entry = r.Find(parameter.name);
-      row.push_back(entry == nullptr ? "" : Text("%.4g", entry->value));
+      row.push_back(entry == nullptr ? "" : Format("%.4g", entry->value));
     }
     table.rows.push_back(std::move(row));
   }
@@ -109,7 +107,8 @@ IntervalFigure Intervals(const std::vector<Estimate>& estimates, const std::vect
   for (const Parameter& p : parameters) figure.parameters.push_back(p.name);
   for (const Estimate& e : estimates) {
     if (e.parameters.empty()) continue;
-    IntervalFigure::Estimates set{EstimatorTitle(e.estimator), blank(), blank(), blank(), ColorOf(figure.sets.size())};
+    IntervalFigure::Estimates set{EstimatorTitle(e.estimator), blank(), blank(), blank(),
+                                  ColorOfSet(figure.sets.size())};
     for (Eigen::Index k = 0; k < count; ++k) {
       const ParameterEstimate* p = Find(e, figure.parameters[k]);
       if (p == nullptr) continue;
@@ -120,7 +119,7 @@ IntervalFigure Intervals(const std::vector<Estimate>& estimates, const std::vect
     figure.sets.push_back(std::move(set));
   }
   for (const Reference& r : references) {
-    IntervalFigure::Estimates set{r.name, blank(), blank(), blank(), ColorOf(figure.sets.size())};
+    IntervalFigure::Estimates set{r.name, blank(), blank(), blank(), ColorOfSet(figure.sets.size())};
     for (Eigen::Index k = 0; k < count; ++k) {
       const Reference::Entry* entry = r.Find(figure.parameters[k]);
       if (entry != nullptr) set.value[k] = entry->value;
@@ -128,6 +127,32 @@ IntervalFigure Intervals(const std::vector<Estimate>& estimates, const std::vect
     if (set.value.array().isFinite().any()) figure.sets.push_back(std::move(set));
   }
   return figure;
+}
+
+// Where to look at a gain: a factor of two about the one to believe, so that an estimator that is off by a factor of a
+// hundred is an arrow and does not flatten the others. Believed: the first reference, else the last estimate that can
+// be trusted, else the last. None where all fits anyway.
+std::optional<std::pair<double, double>> Around(const std::vector<Estimate>& estimates,
+                                                const std::vector<Reference>& references, const std::string& name) {
+  double centre = 0.0, lowest = 0.0, highest = 0.0;
+  bool trusted = false;
+  for (const Estimate& e : estimates) {
+    const ParameterEstimate* p = Find(e, name);
+    if (p == nullptr) continue;
+    if (e.status.ok() || !trusted) centre = p->value;
+    trusted |= e.status.ok();
+    lowest = std::min(lowest, p->interval95[0]);
+    highest = std::max(highest, p->interval95[1]);
+  }
+  for (size_t k = references.size(); k-- > 0;) {
+    const Reference::Entry* entry = references[k].Find(name);
+    if (entry != nullptr) centre = entry->value;
+  }
+  // From zero, which is no gain at all, to twice the centre, and a little beyond.
+  const double from = centre > 0.0 ? -0.2 * centre : 2.2 * centre;
+  const double to = centre > 0.0 ? 2.2 * centre : -0.2 * centre;
+  if (centre == 0.0 || (lowest >= from && highest <= to)) return std::nullopt;
+  return std::make_pair(from, to);
 }
 
 Section Gains(const std::vector<Estimate>& estimates, const std::vector<Reference>& references,
@@ -140,6 +165,7 @@ Section Gains(const std::vector<Estimate>& estimates, const std::vector<Referenc
     IntervalFigure figure = Intervals(estimates, references, {gain});
     figure.title = gain.name + ", 95 % intervals";
     figure.value_title = gain.unit;
+    figure.limits = Around(estimates, references, gain.name);
     grid.figures.emplace_back(std::move(figure));
   }
   section.blocks.emplace_back(std::move(grid));
@@ -170,7 +196,7 @@ Section SingularValues(const std::vector<Estimate>& estimates) {
     figure.y_title = "log10 of the singular value";
     for (Eigen::Index k = 0; k < e.singular_values.size(); ++k) figure.categories.push_back(std::to_string(k + 1));
     const Eigen::VectorXd floored = e.singular_values.cwiseMax(1e-16 * e.singular_values[0]);
-    figure.sets.push_back({EstimatorTitle(e.estimator), floored.array().log10().matrix(), ColorOf(0)});
+    figure.sets.push_back({EstimatorTitle(e.estimator), floored.array().log10().matrix(), ColorOfSet(0)});
     grid.figures.emplace_back(std::move(figure));
   }
   if (!grid.figures.empty()) section.blocks.emplace_back(std::move(grid));
@@ -183,36 +209,38 @@ std::string ComparisonToText(const std::vector<Estimate>& estimates, const std::
   std::string text;
   for (const Estimate& e : estimates) {
     text += EstimatorTitle(e.estimator) + ": ";
-    text += e.parameters.empty() ? "no estimate" : "relative error " + Text("%.2f %%", e.relative_error_percent);
+    text += e.parameters.empty() ? "no estimate" : "relative error " + Format("%.2f %%", e.relative_error_percent);
     text += (e.status.ok() ? std::string() : "; not to be trusted: " + e.status.message()) + "\n";
   }
   const Estimate* first = FirstUsable(estimates);
-  text += "\nvalue, relative standard deviation in %, difference to the first in %\nparameter ";
-  for (const Estimate& e : estimates)
-    text +=
-        Text("", 0) + "  " + EstimatorTitle(e.estimator) + std::string(24 - EstimatorTitle(e.estimator).size(), ' ');
-  for (const Reference& r : references) text += "  " + r.name;
-  text += "\n";
+  if (first == nullptr) return text;
+  std::vector<std::vector<std::string>> rows = {{"parameter"}};
+  for (const Estimate& e : estimates) {
+    if (e.parameters.empty()) continue;
+    rows[0].insert(rows[0].end(), {EstimatorTitle(e.estimator) + (e.status.ok() ? "" : " (!)"), "%std"});
+    if (&e != first) rows[0].push_back("diff %");
+  }
+  for (const Reference& r : references) rows[0].push_back(r.name);
   for (const Parameter& parameter : AllParameters(estimates)) {
-    text += parameter.name + std::string(parameter.name.size() < 10 ? 10 - parameter.name.size() : 0, ' ');
-    const ParameterEstimate* base = first == nullptr ? nullptr : Find(*first, parameter.name);
+    std::vector<std::string> row = {parameter.name};
+    const ParameterEstimate* base = Find(*first, parameter.name);
     for (const Estimate& e : estimates) {
+      if (e.parameters.empty()) continue;
       const ParameterEstimate* p = Find(e, parameter.name);
-      if (p == nullptr) {
-        text += std::string(26, ' ');
-        continue;
-      }
-      text += Text(" %+10.3e", p->value) + Text(" %6.1f", std::min(p->RelativeSigmaPercent(), 9999.0));
-      text += base == nullptr || base == p ? std::string(8, ' ')
-                                           : Text(" %+7.1f", 100.0 * (p->value - base->value) / std::abs(base->value));
+      row.push_back(p == nullptr ? "" : Format("%+.3e", p->value));
+      row.push_back(p == nullptr ? "" : Percent(p->RelativeSigmaPercent()));
+      if (&e == first) continue;
+      const bool comparable = p != nullptr && base != nullptr && base->value != 0.0;
+      row.push_back(comparable ? Percent(100.0 * (p->value - base->value) / std::abs(base->value)) : "");
     }
     for (const Reference& r : references) {
       const Reference::Entry* entry = r.Find(parameter.name);
-      text += entry == nullptr ? std::string(12, ' ') : Text("  %+10.3e", entry->value);
+      row.push_back(entry == nullptr ? "" : Format("%+.3e", entry->value));
     }
-    text += "\n";
+    rows.push_back(std::move(row));
   }
-  return text;
+  return text + "\nvalue, relative standard deviation in %, difference to " + EstimatorTitle(first->estimator) +
+         " in %\n" + AlignColumns(rows);
 }
 
 std::string ComparisonToJson(const std::vector<Estimate>& estimates) {

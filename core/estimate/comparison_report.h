@@ -11,7 +11,8 @@
 
 namespace idim {
 
-// A line a parameter, a column an estimator: value, relative standard deviation, difference to the first in percent.
+// Errors and verdicts, then a line a parameter, and for each estimator with numbers its value, relative standard
+// deviation and difference to the first in percent; (!) marks what is not to be trusted.
 std::string ComparisonToText(const std::vector<Estimate>& estimates, const std::vector<Reference>& references);
 
 // comparison.json, schema idim.comparison.1.

@@ -3,10 +3,9 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cctype>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <limits>
 
+#include "core/base/text.h"
 #include "core/estimate/estimate_json.h"
 
 namespace idim {
@@ -33,19 +32,6 @@ const char* StatusName(const Status& status) {
       return "untrusted";
   }
   return "";
-}
-
-#if defined(__GNUC__)
-__attribute__((format(printf, 1, 2)))
-#endif
-std::string
-Format(const char* format, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof(text), format, arguments);
-  va_end(arguments);
-  return text;
 }
 
 }  // namespace
@@ -124,8 +110,8 @@ std::string EstimatorTitle(const std::string& estimator) {
 }
 
 std::string EstimateToText(const Estimate& e) {
-  std::string text =
-      Format("%s, IDIM-%s\n%s\n\n", e.robot.c_str(), e.estimator == "ls" ? "LS" : "WLS", e.preprocessing.c_str());
+  std::string text = e.robot + ", " + EstimatorTitle(e.estimator) + "\n" + e.preprocessing + "\n\n";
+  if (!e.status.ok()) text += "NOT TO BE TRUSTED: " + e.status.message() + "\n\n";
   text += "parameter      value       %std    95 % interval             unit\n";
   for (const ParameterEstimate& p : e.parameters) {
     text += Format("%-10s %+11.4e %9.2f    [%+.3e, %+.3e]  %s\n", p.parameter.name.c_str(), p.value,

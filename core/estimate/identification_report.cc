@@ -2,29 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
+#include "core/base/text.h"
 #include "core/report/report.h"
 
 namespace idim {
 namespace {
 
-std::string Text(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, value);
-  return text;
-}
-
 std::string JointTitle(Eigen::Index joint) { return "joint " + std::to_string(joint + 1); }
-
-// Colours by place, for what is compared side by side.
-SeriesColor ColorOf(size_t k) {
-  static constexpr SeriesColor kColors[] = {SeriesColor::kModel, SeriesColor::kMeasured, SeriesColor::kOrange,
-                                            SeriesColor::kTeal,  SeriesColor::kPurple,   SeriesColor::kResidual};
-  return kColors[k % std::size(kColors)];
-}
 
 Section Summary(const Estimate& e) {
   Section section;
@@ -32,9 +19,9 @@ Section Summary(const Estimate& e) {
   KeyValues facts;
   facts.entries = {{"estimator", EstimatorTitle(e.estimator)},
                    {"parameters", std::to_string(e.parameters.size())},
-                   {"relative error |ρ| / |Y|", Text("%.2f %%", e.relative_error_percent)},
-                   {"condition number of W", Text("%.0f", e.condition_number)},
-                   {"of the weighted W", Text("%.0f", e.condition_number_weighted)},
+                   {"relative error |ρ| / |Y|", Format("%.2f %%", e.relative_error_percent)},
+                   {"condition number of W", Format("%.0f", e.condition_number)},
+                   {"of the weighted W", Format("%.0f", e.condition_number_weighted)},
                    {"filter", e.preprocessing}};
   if (!e.status.ok()) {
     section.blocks.emplace_back(Paragraph{"Not to be trusted: " + e.status.message(), Paragraph::Kind::kWarning});
@@ -42,7 +29,6 @@ Section Summary(const Estimate& e) {
   section.blocks.emplace_back(facts);
 
   Table errors;
-  errors.caption = "Relative error per joint on the decimated samples, %, and autocorrelation of the residual";
   errors.columns = {{"recording"}, {"use"}, {"samples", Table::Align::kRight}};
   const Eigen::Index n = e.recordings.empty() ? 0 : e.recordings[0].rms_torque.size();
   for (Eigen::Index j = 0; j < n; ++j) errors.columns.push_back({JointTitle(j), Table::Align::kNumber});
@@ -54,10 +40,10 @@ Section Summary(const Estimate& e) {
   for (Eigen::Index j = 0; j < n; ++j) bars.categories.push_back(JointTitle(j));
   for (const RecordingFit& r : e.recordings) {
     std::vector<std::string> row = {r.name, r.use, std::to_string(r.samples)};
-    for (const double error : r.relative_error_percent) row.push_back(Text("%.2f", error));
-    row.push_back(Text("%.2f", r.relative_error_percent_all));
+    for (const double error : r.relative_error_percent) row.push_back(Format("%.2f", error));
+    row.push_back(Format("%.2f", r.relative_error_percent_all));
     errors.rows.push_back(std::move(row));
-    bars.sets.push_back({r.name, r.relative_error_percent, ColorOf(bars.sets.size())});
+    bars.sets.push_back({r.name, r.relative_error_percent, ColorOfSet(bars.sets.size())});
     if (r.use == "identification") lag1 = std::max(lag1, r.residual_lag1.maxCoeff());
   }
   errors.caption = "Relative error per joint on the decimated samples, %";
@@ -65,7 +51,7 @@ Section Summary(const Estimate& e) {
   section.blocks.emplace_back(FigureGrid{2, {bars}});
   if (lag1 > 0.2) {
     section.blocks.emplace_back(Paragraph{
-        "The residual is correlated in time (lag-1 autocorrelation up to " + Text("%.2f", lag1) +
+        "The residual is correlated in time (lag-1 autocorrelation up to " + Format("%.2f", lag1) +
             "): the model lacks effects that last longer than a sample, and the intervals below, which assume "
             "white residuals, are too short.",
         Paragraph::Kind::kWarning});
@@ -82,8 +68,8 @@ Section Gains(const Estimate& e) {
     std::vector<std::string> row = {g.name, "", "", g.strength, g.sentence};
     for (const ParameterEstimate& p : e.parameters) {
       if (p.parameter.name != g.name) continue;
-      row[1] = Text("%.4g", p.value);
-      row[2] = Text("%.2f", p.RelativeSigmaPercent());
+      row[1] = Format("%.4g", p.value);
+      row[2] = Format("%.2f", p.RelativeSigmaPercent());
     }
     table.rows.push_back(std::move(row));
   }
@@ -111,15 +97,15 @@ Section Parameters(const Estimate& e, const std::vector<Reference>& references) 
   for (size_t k = 0; k < e.parameters.size(); ++k) {
     const ParameterEstimate& p = e.parameters[k];
     std::vector<std::string> row = {p.parameter.name,
-                                    Text("%.4g", p.value),
-                                    Text("%.2f", p.RelativeSigmaPercent()),
-                                    Text("%.4g", p.interval95[0]),
-                                    Text("%.4g", p.interval95[1]),
+                                    Format("%.4g", p.value),
+                                    Format("%.2f", p.RelativeSigmaPercent()),
+                                    Format("%.4g", p.interval95[0]),
+                                    Format("%.4g", p.interval95[1]),
                                     p.parameter.unit};
     for (const Reference& reference : references) {
       const Reference::Entry* entry = reference.Find(p.parameter.name);
-      row.push_back(entry == nullptr ? "" : Text("%.4g", entry->value));
-      row.push_back(entry == nullptr ? "" : Text("%+.1f", DifferenceInSigmas(p, *entry)));
+      row.push_back(entry == nullptr ? "" : Format("%.4g", entry->value));
+      row.push_back(entry == nullptr ? "" : Format("%+.1f", DifferenceInSigmas(p, *entry)));
     }
     if (!p.regrouping.empty()) relations.rows.push_back({p.parameter.name, p.regrouping});
     table.rows.push_back(std::move(row));
@@ -142,7 +128,7 @@ Section Parameters(const Estimate& e, const std::vector<Reference>& references) 
   const Eigen::Index count = static_cast<Eigen::Index>(e.parameters.size());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto blank = [&] { return Eigen::VectorXd::Constant(count, nan).eval(); };
-  IntervalFigure::Estimates own{EstimatorTitle(e.estimator), blank(), blank(), blank(), ColorOf(0)};
+  IntervalFigure::Estimates own{EstimatorTitle(e.estimator), blank(), blank(), blank(), ColorOfSet(0)};
   for (Eigen::Index k = 0; k < count; ++k) {
     const ParameterEstimate& p = e.parameters[k];
     figure.parameters.push_back(p.parameter.name);
@@ -152,7 +138,7 @@ Section Parameters(const Estimate& e, const std::vector<Reference>& references) 
   }
   figure.sets.push_back(std::move(own));
   for (const Reference& reference : references) {
-    IntervalFigure::Estimates set{reference.name, blank(), blank(), blank(), ColorOf(figure.sets.size())};
+    IntervalFigure::Estimates set{reference.name, blank(), blank(), blank(), ColorOfSet(figure.sets.size())};
     for (Eigen::Index k = 0; k < count; ++k) {
       const Reference::Entry* entry = reference.Find(figure.parameters[k]);
       if (entry == nullptr) continue;
@@ -218,7 +204,7 @@ Section ResidualsOverVelocity(const std::vector<RecordingSeries>& series) {
     for (size_t k = 0; k < series.size(); ++k) {
       const RecordingSeries& s = series[k];
       figure.sets.push_back(
-          {s.name, s.decimated_dq.col(j), s.decimated_torque.col(j) - s.decimated_model.col(j), ColorOf(k)});
+          {s.name, s.decimated_dq.col(j), s.decimated_torque.col(j) - s.decimated_model.col(j), ColorOfSet(k)});
     }
     grid.figures.emplace_back(std::move(figure));
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
@@ -40,8 +41,21 @@ Result<Reference> ReadReference(const std::string& path) {
     return Status::BadInput(path + ": not a JSON object; expected a file in the format of estimate.json");
   }
   Reference reference;
-  reference.name = json.value("name", json.value("estimator", path));
+  std::string status, message;
+  for (const auto& [key, value] :
+       {std::pair{"estimator", &reference.name}, std::pair{"name", &reference.name},
+        std::pair{"robot", &reference.robot}, std::pair{"status", &status}, std::pair{"message", &message}}) {
+    const auto found = json.find(key);
+    if (found == json.end()) continue;
+    if (!found->is_string()) return Status::BadInput(path + ": key '" + key + "': expected a text");
+    *value = found->get<std::string>();
+  }
+  if (reference.name.empty()) reference.name = path;
+  if (status == "untrusted") reference.warning = message.empty() ? "no reason stated" : message;
   const auto parameters = json.find("parameters");
+  if (!reference.warning.empty() && parameters != json.end() && parameters->empty()) {
+    return Status::BadInput(path + ": key 'parameters': the estimate has none, because it is untrusted: " + message);
+  }
   if (parameters == json.end() || !parameters->is_array() || parameters->empty()) {
     return Status::BadInput(path + ": key 'parameters': expected a list of {name, value, standard_deviation}");
   }
@@ -53,6 +67,9 @@ Result<Reference> ReadReference(const std::string& path) {
     }
     Reference::Entry parsed;
     parsed.name = entry["name"].get<std::string>();
+    if (reference.Find(parsed.name) != nullptr) {
+      return Status::BadInput(where + ": key 'name': '" + parsed.name + "' is given twice");
+    }
     const Result<double> value = Number(entry, "value", where);
     if (!value.ok()) return value.status();
     parsed.value = *value;
@@ -69,10 +86,17 @@ Result<Reference> ReadReference(const std::string& path) {
 Result<std::vector<Reference>> ReadReferences(const std::string& paths) {
   std::vector<Reference> references;
   std::stringstream list(paths);
+  std::vector<std::string> read;
   for (std::string path; std::getline(list, path, ',');) {
     Result<Reference> reference = ReadReference(path);
     if (!reference.ok()) return reference.status();
     references.push_back(std::move(reference).value());
+    read.push_back(path);
+  }
+  std::map<std::string, int> count;
+  for (const Reference& reference : references) ++count[reference.name];
+  for (size_t k = 0; k < references.size(); ++k) {
+    if (count[references[k].name] > 1 && references[k].name != read[k]) references[k].name += " (" + read[k] + ")";
   }
   return references;
 }

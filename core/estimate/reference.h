@@ -19,17 +19,21 @@ struct Reference {
     double standard_deviation = 0.0;  // 0: exact or not stated
   };
   std::string name;
+  std::string robot;    // empty: not stated
+  std::string warning;  // why it is not to be trusted, where it says so itself
   std::vector<Entry> parameters;
 
   // nullptr where the reference does not have the parameter.
   const Entry* Find(const std::string& parameter) const;
 };
 
-// JSON in the format of estimate.json, of which "name" (else "estimator") and of "parameters" "name", "value" and
-// "standard_deviation" are read; so an estimate.json is a reference itself. Refuses what is not, naming file and key.
+// JSON in the format of estimate.json, of which "name" (else "estimator", else the path), "robot", "status", "message",
+// and of "parameters" "name", "value" and "standard_deviation" are read; so an estimate.json is a reference itself.
+// Refuses what is not, naming file and key.
 Result<Reference> ReadReference(const std::string& path);
 
-// Of a comma-separated list of paths, in its order; empty for an empty list.
+// Of a comma-separated list of paths, in its order; empty for an empty list. Those of the same name have their paths
+// in it too.
 Result<std::vector<Reference>> ReadReferences(const std::string& paths);
 
 // A line a parameter: the estimate, the reference, and their difference in standard deviations of the difference.

@@ -6,6 +6,7 @@
 #define IDIM_CORE_REPORT_FIGURE_H_
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,6 +18,13 @@ namespace idim {
 // Colours by meaning, so that a curve looks the same in every figure of every report. Measured red and model blue are
 // those of Fig. 2 of Gautier & Briot (2014), in tones that stay apart for the colour-blind (Tol's vibrant scheme).
 enum class SeriesColor { kMeasured, kModel, kResidual, kOrange, kTeal, kPurple };
+
+// For what is compared side by side: the k-th of a set of colours that stay apart, from the start again after six.
+inline SeriesColor ColorOfSet(std::size_t k) {
+  constexpr SeriesColor kColors[] = {SeriesColor::kModel, SeriesColor::kMeasured, SeriesColor::kOrange,
+                                     SeriesColor::kTeal,  SeriesColor::kPurple,   SeriesColor::kResidual};
+  return kColors[k % (sizeof(kColors) / sizeof(kColors[0]))];
+}
 
 // Traces over time, fast with 1e5 samples: the screen shows minimum and maximum of what falls on a pixel, every sample
 // once zoomed in.

@@ -34,27 +34,35 @@ Status Run(const std::string& study_path) {
   progress.At("observation matrix");
   const idim::Result<idim::EstimatorRunner> runner = idim::EstimatorRunner::Create(&*prepared);
   if (!runner.ok()) return runner.status();
-  std::vector<idim::Estimate> estimates;
+  idim::Comparison comparison;
+  comparison.references = *references;
   bool any_usable = false;
   for (const std::string& name : idim::EstimatorNames(study->gains_mode)) {
     progress.At(name);
     const auto start = std::chrono::steady_clock::now();
     idim::Result<idim::Identification> identification = runner->Run(name, FLAGS_r_sigma);
     if (!identification.ok()) return identification.status();
-    estimates.push_back(std::move(identification->estimate));
-    estimates.back().seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    any_usable |= estimates.back().status.ok();
+    idim::Estimate& estimate = identification->estimate;
+    estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    any_usable |= estimate.status.ok();
+    comparison.estimates.push_back(std::move(estimate));
   }
-  const Status written =
-      idim::WriteFiles(FLAGS_output, {{"comparison.json", idim::ComparisonToJson(estimates)},
-                                      {"report.html", idim::RenderComparisonReport(estimates, *references)}});
+  if (std::optional<idim::Estimate> sequential = runner->RunSequential()) {
+    comparison.estimates.push_back(std::move(*sequential));
+  }
+  progress.At("is LS biased?");
+  idim::Result<std::vector<idim::BiasTest>> bias = runner->TestBias();
+  if (!bias.ok()) return bias.status();
+  comparison.bias_tests = std::move(bias).value();
+  const Status written = idim::WriteFiles(FLAGS_output, {{"comparison.json", idim::ComparisonToJson(comparison)},
+                                                         {"report.html", idim::RenderComparisonReport(comparison)}});
   if (!written.ok()) return written;
   progress.Clear();
-  std::cout << idim::ComparisonToText(estimates, *references);
+  std::cout << idim::ComparisonToText(comparison);
   std::cout << "\nwritten to " << FLAGS_output << ": comparison.json report.html\n";
   if (any_usable) return Status::Ok();
   return Status::Untrusted("no estimator gives an estimate that can be trusted; the first says: " +
-                           estimates.front().status.message());
+                           comparison.estimates.front().status.message());
 }
 
 }  // namespace

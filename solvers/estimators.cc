@@ -1,9 +1,12 @@
 #include "solvers/estimators.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/base/text.h"
+#include "solvers/exogeneity.h"
+#include "solvers/sequential_gains.h"
 
 namespace idim {
 namespace {
@@ -53,6 +56,47 @@ Result<Identification> EstimatorRunner::Run(const std::string& estimator, double
   options.essential_ratio = essential_ratio;
   if (!options.IsValid(&error)) return Status::BadInput("--r_sigma: " + error);
   return IdentifyGains(*prepared_, *gain_system_, options);
+}
+
+std::optional<Estimate> EstimatorRunner::RunSequential() const {
+  if (!gain_system_) return std::nullopt;
+  const SequentialGains gains = SolveSequentialGains(*gain_system_);
+  Estimate estimate;
+  estimate.status = gains.status;
+  estimate.robot = prepared_->study.robot.name;
+  estimate.estimator = "sequential";
+  std::vector<int> found;
+  for (int j = 0; j < gain_system_->dof(); ++j) {
+    if (std::isfinite(gains.gains[j])) found.push_back(j);
+  }
+  estimate.covariance = Eigen::MatrixXd::Zero(found.size(), found.size());
+  for (size_t k = 0; k < found.size(); ++k) {
+    const int j = found[k];
+    ParameterEstimate p;
+    p.parameter = gain_system_->unknowns[j];
+    p.value = gains.gains[j];
+    p.standard_deviation = gains.standard_deviation[j];
+    SetInterval95(static_cast<double>(gain_system_->joints[j].rows()), &p);
+    estimate.covariance(k, k) = p.standard_deviation * p.standard_deviation;
+    estimate.parameters.push_back(p);
+  }
+  return estimate;
+}
+
+Result<std::vector<BiasTest>> EstimatorRunner::TestBias() const {
+  std::vector<BiasTest> tests;
+  if (!gain_system_) return tests;
+  const Result<LaggedSystem> lagged = BuildLaggedSystem(*prepared_, LaggedOptions());
+  if (!lagged.ok()) return lagged.status();
+  const auto add = [&](const std::string& equations, const ExogeneityTest& test) {
+    tests.push_back(
+        {test.status, equations, test.biased, test.f, test.numerator, test.denominator, test.p_value, test.sargan_p});
+  };
+  for (int j = 0; j < lagged->dof; ++j) add("joint " + std::to_string(j + 1), TestJointExogeneity(*lagged, j));
+  GainOptions options;
+  options.estimator = GainEstimator::kWgtls;
+  add("all joints", TestAllExogeneity(*lagged, SolveGains(*gain_system_, options).joint_sigma));
+  return tests;
 }
 
 }  // namespace idim

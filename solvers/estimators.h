@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/status.h"
+#include "core/estimate/bias_test.h"
 #include "solvers/identification.h"
 
 namespace idim {
@@ -24,6 +25,13 @@ class EstimatorRunner {
 
   // essential_ratio: r_sigma, 0 keeps all parameters. BadInput: no such estimator for this study, bad r_sigma.
   Result<Identification> Run(const std::string& estimator, double essential_ratio) const;
+
+  // Where gains are identified, else nothing: the baseline that finds them one joint at a time (gains only).
+  std::optional<Estimate> RunSequential() const;
+
+  // Where gains are identified, else empty: whether LS is biased, in the equations of each joint and in all of them
+  // with rows weighted like WGTLS does.
+  Result<std::vector<BiasTest>> TestBias() const;
 
  private:
   explicit EstimatorRunner(const PreparedStudy* prepared) : prepared_(prepared) {}

@@ -19,8 +19,8 @@
 //   the same columns L decimated samples before and after. Legitimate where the noise of two samples L apart is
 //   independent (white noise through the decimator is correlated by less than 4 % from 2 samples on, 1 % from 9 on, not
 //   at all beyond 20) while the motion is slow enough to be seen L samples away. NOT where e holds model errors that
-//   last longer than L samples, like wrong friction: then Sargan's statistic should say so, and LS is wrong for a reason
-//   that no instrument mends.
+//   last longer than L samples, like wrong friction: then Sargan's statistic should say so, and LS is wrong for a
+//   reason that no instrument mends.
 //
 // F assumes e white; residuals correlated in time make the test reject too often, which `stride` (use each stride-th
 // sample) mends at the price of power.

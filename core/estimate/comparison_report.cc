@@ -45,12 +45,15 @@ std::vector<Parameter> AllParameters(const std::vector<Estimate>& estimates) {
   return all;
 }
 
-// The first estimate with numbers: what the others are compared with.
+// What the others are compared with: the first that can be trusted, else the first with numbers.
 const Estimate* FirstUsable(const std::vector<Estimate>& estimates) {
+  const Estimate* first = nullptr;
   for (const Estimate& e : estimates) {
-    if (!e.parameters.empty()) return &e;
+    if (e.parameters.empty() || e.recordings.empty()) continue;
+    if (e.status.ok()) return &e;
+    if (first == nullptr) first = &e;
   }
-  return nullptr;
+  return first;
 }
 
 Section Verdicts(const std::vector<Estimate>& estimates) {
@@ -63,12 +66,25 @@ Section Verdicts(const std::vector<Estimate>& estimates) {
                    {"weighted", Table::Align::kRight},
                    {"verdict"}};
   for (const Estimate& e : estimates) {
-    const bool solved = !e.parameters.empty();
+    const bool solved = !e.recordings.empty();
     table.rows.push_back({EstimatorTitle(e.estimator), solved ? Format("%.2f", e.relative_error_percent) : "",
                           solved ? Format("%.0f", e.condition_number) : "",
                           solved ? Format("%.0f", e.condition_number_weighted) : "",
                           e.status.ok() ? "ok" : "not to be trusted: " + e.status.message()});
   }
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+Section BiasTests(const std::vector<BiasTest>& tests) {
+  Section section;
+  section.title = "Is least squares biased?";
+  section.blocks.emplace_back(Paragraph{
+      "Durbin-Wu-Hausman test by augmented regression; instruments are the same columns a few decimated samples "
+      "before and after, which see the motion but not the noise of this sample."});
+  Table table;
+  table.columns = {{"equations"}, {"answer"}};
+  for (const BiasTest& test : tests) table.rows.push_back({test.equations, BiasTestSentence(test)});
   section.blocks.emplace_back(std::move(table));
   return section;
 }
@@ -205,12 +221,19 @@ Section SingularValues(const std::vector<Estimate>& estimates) {
 
 }  // namespace
 
-std::string ComparisonToText(const std::vector<Estimate>& estimates, const std::vector<Reference>& references) {
+std::string ComparisonToText(const Comparison& comparison) {
+  const std::vector<Estimate>& estimates = comparison.estimates;
+  const std::vector<Reference>& references = comparison.references;
   std::string text;
   for (const Estimate& e : estimates) {
     text += EstimatorTitle(e.estimator) + ": ";
-    text += e.parameters.empty() ? "no estimate" : "relative error " + Format("%.2f %%", e.relative_error_percent);
+    text += e.parameters.empty()   ? "no estimate"
+            : e.recordings.empty() ? "gains only"
+                                   : "relative error " + Format("%.2f %%", e.relative_error_percent);
     text += (e.status.ok() ? std::string() : "; not to be trusted: " + e.status.message()) + "\n";
+  }
+  for (const BiasTest& test : comparison.bias_tests) {
+    text += "is LS biased (" + test.equations + ")? " + BiasTestSentence(test) + "\n";
   }
   const Estimate* first = FirstUsable(estimates);
   if (first == nullptr) return text;
@@ -243,19 +266,35 @@ std::string ComparisonToText(const std::vector<Estimate>& estimates, const std::
          " in %\n" + AlignColumns(rows);
 }
 
-std::string ComparisonToJson(const std::vector<Estimate>& estimates) {
+std::string ComparisonToJson(const Comparison& comparison) {
   nlohmann::ordered_json json;
   json["schema"] = "idim.comparison.1";
   json["estimates"] = nlohmann::ordered_json::array();
-  for (const Estimate& e : estimates) json["estimates"].push_back(EstimateJson(e));
+  for (const Estimate& e : comparison.estimates) json["estimates"].push_back(EstimateJson(e));
+  if (!comparison.bias_tests.empty()) {
+    json["bias_tests"] = nlohmann::ordered_json::array();
+    for (const BiasTest& t : comparison.bias_tests) {
+      json["bias_tests"].push_back({{"equations", t.equations},
+                                    {"status", t.status.ok() ? "ok" : "untrusted"},
+                                    {"message", t.status.message()},
+                                    {"biased", t.biased},
+                                    {"f", t.f},
+                                    {"degrees_of_freedom", {t.numerator, t.denominator}},
+                                    {"p_value", t.p_value},
+                                    {"sargan_p_value", t.sargan_p}});
+    }
+  }
   return json.dump(1) + "\n";
 }
 
-std::string RenderComparisonReport(const std::vector<Estimate>& estimates, const std::vector<Reference>& references) {
+std::string RenderComparisonReport(const Comparison& comparison) {
+  const std::vector<Estimate>& estimates = comparison.estimates;
+  const std::vector<Reference>& references = comparison.references;
   Report report;
   report.title = estimates.empty() ? "" : estimates[0].robot;
   report.subtitle = "Estimators side by side on the same data";
   report.sections.push_back(Verdicts(estimates));
+  if (!comparison.bias_tests.empty()) report.sections.push_back(BiasTests(comparison.bias_tests));
   std::vector<Parameter> gains, others;
   for (const Parameter& p : AllParameters(estimates)) {
     (p.kind == ParameterKind::kDriveGain ? gains : others).push_back(p);

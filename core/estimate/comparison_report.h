@@ -6,20 +6,28 @@
 #include <string>
 #include <vector>
 
+#include "core/estimate/bias_test.h"
 #include "core/estimate/estimate.h"
 #include "core/estimate/reference.h"
 
 namespace idim {
 
+// All that is compared.
+struct Comparison {
+  std::vector<Estimate> estimates;   // by any estimator; those without numbers have a status that says why
+  std::vector<BiasTest> bias_tests;  // of least squares; empty where gains are known
+  std::vector<Reference> references;
+};
+
 // Errors and verdicts, then a line a parameter, and for each estimator with numbers its value, relative standard
 // deviation and difference to the first in percent; (!) marks what is not to be trusted.
-std::string ComparisonToText(const std::vector<Estimate>& estimates, const std::vector<Reference>& references);
+std::string ComparisonToText(const Comparison& comparison);
 
 // comparison.json, schema idim.comparison.1.
-std::string ComparisonToJson(const std::vector<Estimate>& estimates);
+std::string ComparisonToJson(const Comparison& comparison);
 
 // One self-contained page. Deterministic.
-std::string RenderComparisonReport(const std::vector<Estimate>& estimates, const std::vector<Reference>& references);
+std::string RenderComparisonReport(const Comparison& comparison);
 
 }  // namespace idim
 

@@ -110,5 +110,25 @@ TEST(GainVerdict, NumbersAreThoseOfTheDefinitions) {
   }
 }
 
+// On the motor side the noise of motor 6 is in the rows of joints 5 and 6 alike, and its own rows tell how large it is.
+TEST(SignalNoise, MotorSideNoiseGoesThroughTheTransmission) {
+  GainScenario scenario = testing::Tx40Gains();
+  scenario.robot.transmission = VectorXd{{32, 32, 45, -48, 45, 32}}.asDiagonal();
+  scenario.robot.transmission(5, 4) = 16.0;
+  scenario.gains = VectorXd{{1.06, 1.01, 0.54, 0.19, 0.36, 0.21}};
+  scenario.signal_noise = 0.2;
+  const GainStudy study = MakeGainStudy(scenario);
+  const MatrixXd noise = SignalNoise(Build(study), 1e-10);
+  EXPECT_NEAR(noise(4, 5), 0.5 * noise(5, 5), 1e-9 * noise(5, 5));
+  EXPECT_EQ(noise(5, 4), 0.0);
+  const std::vector<double>& taps = study.prepared.recordings[0].decimator.Taps();
+  double squares = 0.0;
+  for (const double tap : taps) squares += tap * tap;
+  const MatrixXd& signal = study.prepared.recordings[0].recording.signal;
+  // As above, for both recordings' sake.
+  const double rms = signal.col(5).norm() / std::sqrt(4000.0 * 1.04);
+  EXPECT_NEAR(noise(5, 5), 32.0 * 0.2 * rms * std::sqrt(squares), 0.3 * noise(5, 5));
+}
+
 }  // namespace
 }  // namespace idim

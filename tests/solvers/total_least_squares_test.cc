@@ -122,8 +122,13 @@ TEST(TotalLeastSquares, MixedColumnsAreTheSchurComplementsEigenvector) {
   x /= x[4];
   EXPECT_LT((tls.solution.values - x.head(4)).norm(), 1e-10);
   EXPECT_NEAR(tls.singular_values[2], std::sqrt(eigen.eigenvalues()[0]), 1e-10);
-  // The correction: as small as the header says, and it makes the system compatible. The gradient of |W x|^2 / |D x|^2
-  // vanishes.
+  // Statistics by the corrected matrix written out: the smallest |E D^-1| with (W - E) x = 0.
+  const VectorXd d2x = noise.cwiseAbs2().cwiseProduct(x);
+  const MatrixXd a = (w - w * x * d2x.transpose() / x.dot(d2x)).leftCols(4);
+  const double s2 = eigen.eigenvalues()[0] / (400 - 5);
+  EXPECT_LT((tls.solution.covariance - s2 * x.dot(d2x) * (a.transpose() * a).inverse()).norm(),
+            1e-9 * tls.solution.covariance.norm());
+  // The gradient of |W x|^2 / |D x|^2 vanishes.
   const double mu = (w * x).squaredNorm() / noise.cwiseProduct(x).squaredNorm();
   const VectorXd gradient = w.transpose() * w * x - mu * noise.cwiseAbs2().cwiseProduct(x);
   EXPECT_LT(gradient.norm(), 1e-9 * (w.transpose() * w).norm());

@@ -1,5 +1,7 @@
 #include "core/observation/prepared_study.h"
 
+#include <glog/logging.h>
+
 #include <cmath>
 #include <string>
 #include <utility>
@@ -53,13 +55,18 @@ Status CheckMotion(const PreparedStudy& prepared) {
 }  // namespace
 
 Result<PreparedStudy> PrepareStudy(const Study& study) {
-  PreparedStudy prepared{study, BaseParameters(StandardModel(study.robot, study.friction)), {}, {}, {}, {}};
   std::vector<Recording> recordings;
   for (const RecordingEntry& entry : study.recordings) {
     Result<Recording> recording = ReadRecording(study, entry);
     if (!recording.ok()) return recording.status();
     recordings.push_back(std::move(recording).value());
   }
+  return PrepareStudy(study, std::move(recordings));
+}
+
+Result<PreparedStudy> PrepareStudy(const Study& study, std::vector<Recording> recordings) {
+  CHECK_EQ(recordings.size(), study.recordings.size());
+  PreparedStudy prepared{study, BaseParameters(StandardModel(study.robot, study.friction)), {}, {}, {}, {}};
   // Validation recordings are filtered alike, but have no say in how.
   std::vector<const Recording*> identification;
   for (size_t k = 0; k < recordings.size(); ++k) {

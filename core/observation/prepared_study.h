@@ -33,6 +33,9 @@ struct PreparedStudy {
 // BadInput: as the readers and filters say. Untrusted: a joint that moves in no identification recording.
 Result<PreparedStudy> PrepareStudy(const Study& study);
 
+// The same of recordings that are in memory already, one a recording of the study in its order (CHECK).
+Result<PreparedStudy> PrepareStudy(const Study& study, std::vector<Recording> recordings);
+
 }  // namespace idim
 
 #endif  // IDIM_CORE_OBSERVATION_PREPARED_STUDY_H_

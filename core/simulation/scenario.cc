@@ -191,6 +191,29 @@ Status AddRobotFiles(const Scenario& scenario, std::vector<OutputFile>* files) {
 
 }  // namespace
 
+Study StudyOf(const Scenario& scenario) {
+  Study study;
+  study.path = scenario.path;
+  study.robot = scenario.robot;
+  for (const ScenarioRecording& recording : scenario.recordings) {
+    RecordingEntry entry;
+    entry.name = recording.name;
+    entry.use = recording.use;
+    entry.payload = recording.payload;
+    entry.q_file = entry.signal_file = recording.name + ".csv";
+    study.recordings.push_back(entry);
+  }
+  for (const ScenarioPayload& payload : scenario.payloads) {
+    study.payloads.push_back({payload.name, {}});
+    for (int k : payload.known) study.payloads.back().known[k] = payload.inertial[k];
+  }
+  study.gains_mode = scenario.gains_mode;
+  study.gains = scenario.gains_mode == GainsMode::kKnown ? scenario.gains : scenario.a_priori_gains;
+  study.position_side = scenario.position_side;
+  study.signal_side = scenario.truth.signal_side;
+  return study;
+}
+
 Truth SimulateTruth(const Scenario& scenario, const ScenarioRecording& recording) {
   StandardModel model(scenario.robot, FrictionModel());
   TruthOptions options = scenario.truth;

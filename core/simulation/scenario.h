@@ -22,6 +22,7 @@
 //       use: identification      # identification | validation
 //       payload: calibrated      # optional
 //       seed: 1                  # of the trajectory, the clock and the noise
+//       motion_seed: 1           # optional: of the trajectory alone, so that two recordings move alike
 //       duration: 8              # [s] optional: logging stops then (rest beyond the end of the motion)
 //       trajectory: {type: point_to_point, via: [[..], ..], random: 20, dwell: 0.1, speed: [0.5, 1.0]}
 //     - ...
@@ -83,6 +84,9 @@ Result<Scenario> ReadScenario(const std::string& yaml_path);
 // Truth and log of one recording of the scenario.
 Truth SimulateTruth(const Scenario& scenario, const ScenarioRecording& recording);
 Recording SimulateLog(const Scenario& scenario, const ScenarioRecording& recording, const Truth& truth);
+
+// The study that `idim_simulate` writes, its recordings to be simulated: what an experimenter knows of the scenario.
+Study StudyOf(const Scenario& scenario);
 
 // All that `idim_simulate` writes, none of it depending on where: robot.yaml (and its URDF), one CSV a recording,
 // study.yaml, and truth.json with the true gains, base, payload and standard parameters, named as in estimate.json.

@@ -159,7 +159,7 @@ void ReadNoise(YamlFile* file, const YAML::Node& node, Scenario* scenario) {
 
 void ReadOneRecording(YamlFile* file, const YAML::Node& node, const std::string& key, const JointLimits& limits,
                       Scenario* scenario) {
-  if (!file->Map(node, key, {"name", "use", "payload", "seed", "duration", "trajectory"})) return;
+  if (!file->Map(node, key, {"name", "use", "payload", "seed", "motion_seed", "duration", "trajectory"})) return;
   ScenarioRecording recording;
   if (!file->Require(node, key, "name", "the name of the recording, and of its file without .csv")) return;
   const std::string name_key = KeyPath(key, "name");
@@ -185,12 +185,17 @@ void ReadOneRecording(YamlFile* file, const YAML::Node& node, const std::string&
   if (!file->Require(node, key, "seed", "an integer, of all that is drawn for this recording")) return;
   recording.seed =
       static_cast<std::uint64_t>(file->Integer(node["seed"], KeyPath(key, "seed"), 0, std::numeric_limits<int>::max()));
+  std::uint64_t motion_seed = recording.seed;
+  if (node["motion_seed"].IsDefined()) {
+    motion_seed = static_cast<std::uint64_t>(
+        file->Integer(node["motion_seed"], KeyPath(key, "motion_seed"), 0, std::numeric_limits<int>::max()));
+  }
   if (node["duration"].IsDefined()) {
     recording.duration = file->PositiveNumber(node["duration"], KeyPath(key, "duration"));
   }
   if (!file->Require(node, key, "trajectory", "a mapping with type: point_to_point or fourier")) return;
   recording.trajectory = internal::ReadTrajectory(file, node["trajectory"], KeyPath(key, "trajectory"),
-                                                  scenario->robot.dof(), limits, recording.seed);
+                                                  scenario->robot.dof(), limits, motion_seed);
   if (!file->ok()) return;
   const double duration = recording.duration > 0.0 ? recording.duration : recording.trajectory->duration();
   const double samples = std::floor(duration * scenario->truth.rate) + 1.0;

@@ -308,9 +308,51 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"key_of_another_type", "blend: 1", "dwell: 1", "key 'recordings[2].trajectory.dwell'", "unknown"},
         BadCase{"one_point", "random: 8", "random: 1", "key 'recordings[1].trajectory'", "at least 2"},
         BadCase{"blend_too_long", "blend: 1", "blend: 3", "key 'recordings[2].trajectory'", "half the duration"},
+        BadCase{"bad_motion_seed", "seed: 2", "motion_seed: -1\n    seed: 2", "key 'recordings[2].motion_seed'", "0"},
         BadCase{"one_sample", "duration: 2.5", "duration: 0.001", "key 'recordings[2]'", "1 samples"},
         BadCase{"not_yaml", "rate: 200", "rate: [200", "scenario.yaml:", "not valid YAML"}),
     [](const testing::TestParamInfo<BadCase>& case_info) { return case_info.param.name; });
+
+// In memory as through the files, for known gains and for gains to be identified.
+TEST_F(ScenarioFile, StudyOfIsTheStudyThatIsWritten) {
+  const std::string known(kScenario);
+  const std::string gains = "gains: {values: [33.9, 32.4, 24.2, -9.21, 16.3, 6.79]";
+  for (const std::string& text : {known, Replaced(known, gains, gains + ", mode: identify, a_priori: 20"),
+                                  Replaced(known, gains, gains + ", mode: identify")}) {
+    const Scenario scenario = Read(text.find("a_priori: 20") == std::string::npos
+                                       ? text
+                                       : Replaced(text, "a_priori: 20", "a_priori: [30, 30, 20, -9, 16, 6]"));
+    const Study written = RenderAndReadStudy(scenario);
+    const Study study = StudyOf(scenario);
+    ASSERT_EQ(study.recordings.size(), written.recordings.size());
+    for (size_t r = 0; r < study.recordings.size(); ++r) {
+      EXPECT_EQ(study.recordings[r].name, written.recordings[r].name);
+      EXPECT_EQ(study.recordings[r].use, written.recordings[r].use);
+      EXPECT_EQ(study.recordings[r].payload, written.recordings[r].payload);
+    }
+    ASSERT_EQ(study.payloads.size(), written.payloads.size());
+    EXPECT_EQ(study.payloads[0].name, written.payloads[0].name);
+    EXPECT_EQ(study.payloads[0].known, written.payloads[0].known);
+    EXPECT_EQ(study.gains_mode, written.gains_mode);
+    ASSERT_EQ(study.gains.size(), written.gains.size());
+    EXPECT_EQ(study.gains, written.gains);
+    EXPECT_EQ(study.position_side, written.position_side);
+    EXPECT_EQ(study.signal_side, written.signal_side);
+    EXPECT_EQ(study.robot.transmission, written.robot.transmission);
+  }
+}
+
+TEST_F(ScenarioFile, MotionSeedMovesAlikeUnderAnotherNoise) {
+  const Scenario scenario = Read(Replaced(
+      kScenario, "recordings:\n",
+      "recordings:\n  - {name: again, seed: 7, motion_seed: 1, trajectory: {type: point_to_point, random: 8}}\n"));
+  const Truth again = SimulateTruth(scenario, scenario.recordings[0]);
+  const Truth free = SimulateTruth(scenario, scenario.recordings[1]);
+  EXPECT_EQ(again.q, free.q);
+  const Recording log_again = SimulateLog(scenario, scenario.recordings[0], again);
+  const Recording log_free = SimulateLog(scenario, scenario.recordings[1], free);
+  EXPECT_NE(log_again.signal, log_free.signal);
+}
 
 TEST_F(ScenarioFile, ProgramWithoutOutputOrWithTwoScenariosSaysWhatItExpects) {
   const std::string path = Write("scenario.yaml", kScenario);

@@ -1,0 +1,57 @@
+// The paper's study, whole: makes datasets/paper_study/README.md and the report with Fig. 2
+// (scripts/run_paper_study.sh).
+
+#include <gflags/gflags.h>
+#include <glog/logging.h>
+
+#include <iostream>
+
+#include "apps/paper_study/page.h"
+#include "core/base/file.h"
+
+DEFINE_string(study, "datasets/paper_study",
+              "Directory with scenario.yaml, discussion.md and paper/; README.md goes there");
+DEFINE_string(output, "out/paper_study", "Directory for report.html");
+
+namespace {
+
+using idim::Status;
+
+Status Run() {
+  const idim::Result<idim::PaperTables> tables = idim::ReadPaperTables(FLAGS_study + "/paper");
+  if (!tables.ok()) return tables.status();
+  const idim::Result<std::string> discussion = idim::ReadFile(FLAGS_study + "/discussion.md");
+  if (!discussion.ok()) return discussion.status();
+  const idim::Result<idim::Scenario> scenario = idim::ReadScenario(FLAGS_study + "/scenario.yaml");
+  if (!scenario.ok()) return scenario.status();
+  const idim::Result<idim::PaperStudy> paper = idim::RunPaperStudy(*scenario, idim::kPaperRatio);
+  if (!paper.ok()) return paper.status();
+  std::vector<idim::Variant> variants;
+  for (const idim::VariantOptions& options : idim::PaperVariants()) {
+    idim::Result<idim::Variant> variant = idim::RunVariant(*paper, options, idim::kPaperDraws);
+    if (!variant.ok()) return variant.status();
+    variants.push_back(std::move(variant).value());
+  }
+  Status status = idim::WriteFiles(FLAGS_output, {{"report.html", idim::RenderPaperReport(*paper)}});
+  if (!status.ok()) return status;
+  status =
+      idim::WriteFiles(FLAGS_study, {{"README.md", idim::RenderPaperPage(*paper, variants, *tables, *discussion)}});
+  if (!status.ok()) return status;
+  std::cout << "Tables I to VIII: " << FLAGS_study << "/README.md\nFig. 2: " << FLAGS_output << "/report.html\n";
+  return Status::Ok();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  google::InitGoogleLogging(argv[0]);
+  gflags::SetUsageMessage("paper_study: the study of Gautier & Briot (2014) on simulated recordings");
+  gflags::ParseCommandLineFlags(&argc, &argv, true);
+  if (argc != 1) {
+    std::cerr << "paper_study: expected flags only, got '" << argv[1] << "'\n";
+    return 1;
+  }
+  const Status status = Run();
+  if (!status.ok()) std::cerr << "paper_study: " << status.message() << "\n";
+  return status.exit_code();
+}

@@ -1,0 +1,107 @@
+#include "apps/paper_study/study.h"
+
+#include <utility>
+
+#include "solvers/estimators.h"
+#include "solvers/gain_system.h"
+
+namespace idim {
+namespace {
+
+struct Spec {
+  const char* name;
+  const char* estimator;
+  Told told;
+};
+
+constexpr Spec kSpecs[kNumPaperCases] = {{"Manufacturer", "wls", Told::kNothing}, {"Case 1", "wls", Told::kTen},
+                                         {"Case 2", "wls", Told::kMass},          {"Case 3", "wtls", Told::kTen},
+                                         {"Case 4", "wtls", Told::kMass},         {"Scaled TLS", "wgtls", Told::kMass}};
+
+Reference TruthOf(const Scenario& scenario, const BaseParameters& base) {
+  Reference truth;
+  truth.name = "truth";
+  const int n = scenario.robot.dof();
+  const std::vector<Parameter> gains = GainParameters(n);
+  for (int j = 0; j < n; ++j) truth.parameters.push_back({gains[j].name, scenario.gains[j], 0.0});
+  const Eigen::VectorXd chi = base.projection() * scenario.chi;
+  for (int k = 0; k < base.size(); ++k) truth.parameters.push_back({base.parameters()[k].name, chi[k], 0.0});
+  for (int k = 0; k < kNumInertial; ++k) {
+    truth.parameters.push_back({kStandardNames[k] + std::to_string(n + 1), scenario.payloads[0].inertial[k], 0.0});
+  }
+  return truth;
+}
+
+Reference ReferenceOf(const std::string& name, const Estimate& estimate) {
+  Reference reference;
+  reference.name = name;
+  for (const ParameterEstimate& p : estimate.parameters) {
+    reference.parameters.push_back({p.parameter.name, p.value, p.standard_deviation});
+  }
+  return reference;
+}
+
+Result<PaperCase> RunCase(const PaperStudy& paper, const Spec& spec, double r_sigma) {
+  PaperCase result;
+  result.name = spec.name;
+  result.estimator = spec.estimator;
+  result.told = spec.told;
+  PreparedStudy fit = AsTold(paper.prepared, paper.scenario, spec.told, true);
+  // The manufacturer's gains are taken for true, as in the paper: a classical identification with a payload.
+  if (spec.told == Told::kNothing) fit.study.gains_mode = GainsMode::kKnown;
+  const Result<EstimatorRunner> runner = EstimatorRunner::Create(&fit);
+  if (!runner.ok()) return runner.status();
+  Result<Identification> identification = runner->Run(spec.estimator, r_sigma);
+  if (!identification.ok()) return identification.status();
+  result.estimate = std::move(identification->estimate);
+  if (result.estimate.parameters.empty()) return result.estimate.status;
+  PreparedStudy judge = AsTold(paper.prepared, paper.scenario, spec.told, false);
+  if (spec.told == Told::kNothing) judge.study.gains_mode = GainsMode::kKnown;
+  Result<Validation> validation = Validate(judge, ReferenceOf(spec.name, result.estimate));
+  if (!validation.ok()) return validation.status();
+  result.validation = std::move(validation).value();
+  return result;
+}
+
+}  // namespace
+
+PreparedStudy AsTold(const PreparedStudy& prepared, const Scenario& scenario, Told told, bool identification_only) {
+  PreparedStudy result = prepared;
+  for (int k = 0; k < kNumInertial; ++k) {
+    const bool known = told == Told::kTen || (told == Told::kMass && k == kM);
+    result.study.payloads[0].known[k].reset();
+    if (known) result.study.payloads[0].known[k] = scenario.payloads[0].inertial[k];
+  }
+  if (!identification_only) return result;
+  result.study.recordings.clear();
+  result.recordings.clear();
+  for (const PreparedRecording& recording : prepared.recordings) {
+    if (recording.entry.use != Use::kIdentification) continue;
+    result.study.recordings.push_back(recording.entry);
+    result.recordings.push_back(recording);
+  }
+  return result;
+}
+
+Result<PaperStudy> RunPaperStudy(const Scenario& scenario, double r_sigma) {
+  if (scenario.gains_mode != GainsMode::kIdentify || scenario.a_priori_gains.size() == 0 || scenario.payloads.empty()) {
+    return Status::BadInput(scenario.path +
+                            ": expected gains of mode identify with a_priori values, and a payload to identify with");
+  }
+  std::vector<Recording> recordings;
+  for (const ScenarioRecording& recording : scenario.recordings) {
+    recordings.push_back(SimulateLog(scenario, recording, SimulateTruth(scenario, recording)));
+  }
+  Result<PreparedStudy> prepared = PrepareStudy(StudyOf(scenario), std::move(recordings));
+  if (!prepared.ok()) return prepared.status();
+  Reference truth = TruthOf(scenario, prepared->base);
+  PaperStudy paper{scenario, std::move(prepared).value(), std::move(truth), {}};
+  for (const Spec& spec : kSpecs) {
+    Result<PaperCase> result = RunCase(paper, spec, r_sigma);
+    if (!result.ok()) return result.status();
+    paper.cases.push_back(std::move(result).value());
+  }
+  return paper;
+}
+
+}  // namespace idim

@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace idim {
@@ -12,6 +13,26 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 VectorXd ColumnRms(const MatrixXd& m) { return m.colwise().norm() / std::sqrt(static_cast<double>(m.rows())); }
+
+// Recorded samples between the first decimated instant and the last: beyond them the position filter had to invent what
+// comes before or after, and the model's torque is that of an invented motion.
+struct Span {
+  Eigen::Index begin, count;
+};
+
+Span Inner(const RecordingSeries& series) {
+  if (series.decimated_t.size() == 0) return {0, 0};
+  const double* const t = series.t.data();
+  const double* const end = t + series.t.size();
+  const double* const first = std::lower_bound(t, end, series.decimated_t[0]);
+  const double* const last = std::upper_bound(first, end, series.decimated_t[series.decimated_t.size() - 1]);
+  return {first - t, last - first};
+}
+
+MatrixXd UnfilteredResidual(const RecordingSeries& series) {
+  const Span inner = Inner(series);
+  return (series.torque - series.model).middleRows(inner.begin, inner.count);
+}
 
 }  // namespace
 
@@ -60,7 +81,7 @@ RecordingFit FitOf(const RecordingSeries& series) {
       100.0 * residual.colwise().norm().cwiseQuotient(series.decimated_torque.colwise().norm());
   fit.relative_error_percent_all = 100.0 * residual.norm() / series.decimated_torque.norm();
   fit.rms_torque = ColumnRms(residual);
-  fit.rms_torque_unfiltered = ColumnRms(series.torque - series.model);
+  fit.rms_torque_unfiltered = ColumnRms(UnfilteredResidual(series));
   const Eigen::Index last = residual.rows() - 1;
   const VectorXd power = residual.colwise().squaredNorm();
   const VectorXd lagged = residual.topRows(last).cwiseProduct(residual.bottomRows(last)).colwise().sum();
@@ -87,8 +108,9 @@ VectorXd SignalDeviation(const Study& study, const VectorXd& gains, const std::v
   double samples = 0.0;
   for (const RecordingSeries& s : series) {
     if (s.use != "identification") continue;
-    squares += inverse.solve((s.torque - s.model).transpose()).rowwise().squaredNorm();
-    samples += static_cast<double>(s.t.size());
+    const MatrixXd residual = UnfilteredResidual(s);
+    squares += inverse.solve(residual.transpose()).rowwise().squaredNorm();
+    samples += static_cast<double>(residual.rows());
   }
   return (squares / samples).cwiseSqrt();
 }

@@ -24,14 +24,14 @@ RecordingSeries Predict(const PreparedStudy& prepared, const PreparedRecording& 
                         const ArmParameters& parameters);
 
 // A relative error is infinite (or NaN for a residual of zero) on a joint without any torque; a residual of zero has an
-// autocorrelation of 0.
+// autocorrelation of 0. The recorded samples count from the first decimated instant to the last.
 RecordingFit FitOf(const RecordingSeries& series);
 
 // 100 |Y - W chi| / |Y| over the decimated samples of all identification recordings.
 double RelativeErrorPercent(const std::vector<RecordingSeries>& series);
 
 // n [signal unit]: standard deviation of a logged signal about the model at the recorded rate, on its own side, over
-// the identification recordings.
+// the identification recordings; their filtered ends do not count.
 Eigen::VectorXd SignalDeviation(const Study& study, const Eigen::VectorXd& gains,
                                 const std::vector<RecordingSeries>& series);
 

@@ -45,6 +45,15 @@ std::vector<Parameter> AllParameters(const std::vector<Estimate>& estimates) {
   return all;
 }
 
+// The verdicts of the last estimator that has some, whose weights come closest to the noise; nullptr without.
+const std::vector<GainDiagnosis>* LastDiagnoses(const std::vector<Estimate>& estimates) {
+  const std::vector<GainDiagnosis>* diagnoses = nullptr;
+  for (const Estimate& e : estimates) {
+    if (!e.gain_diagnoses.empty()) diagnoses = &e.gain_diagnoses;
+  }
+  return diagnoses;
+}
+
 // What the others are compared with: the first that can be trusted, else the first with numbers.
 const Estimate* FirstUsable(const std::vector<Estimate>& estimates) {
   const Estimate* first = nullptr;
@@ -103,7 +112,7 @@ Table ValueTable(const std::vector<Estimate>& estimates, const std::vector<Refer
     for (const Estimate& e : estimates) {
       const ParameterEstimate* p = Find(e, parameter.name);
       row.push_back(p == nullptr ? "" : Format("%.4g", p->value));
-      row.push_back(p == nullptr ? "" : Format("%.2f", p->RelativeSigmaPercent()));
+      row.push_back(p == nullptr ? "" : Percent(p->RelativeSigmaPercent()));
     }
     for (const Reference& r : references) {
       const Reference::Entry* entry = r.Find(parameter.name);
@@ -164,11 +173,14 @@ std::optional<std::pair<double, double>> Around(const std::vector<Estimate>& est
     const Reference::Entry* entry = references[k].Find(name);
     if (entry != nullptr) centre = entry->value;
   }
-  // From zero, which is no gain at all, to twice the centre, and a little beyond.
-  const double from = centre > 0.0 ? -0.2 * centre : 2.2 * centre;
-  const double to = centre > 0.0 ? 2.2 * centre : -0.2 * centre;
-  if (centre == 0.0 || (lowest >= from && highest <= to)) return std::nullopt;
-  return std::make_pair(from, to);
+  if (centre == 0.0) return std::nullopt;
+  // From zero, which is no gain at all, to twice the centre, and a little beyond, to round numbers.
+  const double step = 0.5 * std::pow(10.0, std::floor(std::log10(std::abs(centre))));
+  const double near = step * std::ceil(0.2 * std::abs(centre) / step);
+  const double far = step * std::ceil(2.2 * std::abs(centre) / step);
+  const auto limits = centre > 0.0 ? std::make_pair(-near, far) : std::make_pair(-far, near);
+  if (lowest >= limits.first && highest <= limits.second) return std::nullopt;
+  return limits;
 }
 
 Section Gains(const std::vector<Estimate>& estimates, const std::vector<Reference>& references,
@@ -185,12 +197,7 @@ Section Gains(const std::vector<Estimate>& estimates, const std::vector<Referenc
     grid.figures.emplace_back(std::move(figure));
   }
   section.blocks.emplace_back(std::move(grid));
-  // The verdicts of the last estimator, whose weights come closest to the noise.
-  const std::vector<GainDiagnosis>* diagnoses = nullptr;
-  for (const Estimate& e : estimates) {
-    if (!e.gain_diagnoses.empty()) diagnoses = &e.gain_diagnoses;
-  }
-  if (diagnoses != nullptr) {
+  if (const std::vector<GainDiagnosis>* diagnoses = LastDiagnoses(estimates)) {
     Table table;
     table.caption = "How well the data determine each gain";
     table.columns = {{"gain"}, {"verdict"}, {"why"}};
@@ -262,8 +269,13 @@ std::string ComparisonToText(const Comparison& comparison) {
     }
     rows.push_back(std::move(row));
   }
-  return text + "\nvalue, relative standard deviation in %, difference to " + EstimatorTitle(first->estimator) +
-         " in %\n" + AlignColumns(rows);
+  text += "\nvalue, relative standard deviation in %, difference to " + EstimatorTitle(first->estimator) + " in %\n" +
+          AlignColumns(rows);
+  if (const std::vector<GainDiagnosis>* diagnoses = LastDiagnoses(estimates)) {
+    for (const GainDiagnosis& g : *diagnoses) text += "\n" + g.sentence;
+    text += "\n";
+  }
+  return text;
 }
 
 std::string ComparisonToJson(const Comparison& comparison) {
@@ -304,8 +316,20 @@ std::string RenderComparisonReport(const Comparison& comparison) {
   values.title = "Parameters";
   values.blocks.emplace_back(ValueTable(estimates, references, others));
   IntervalFigure figure = Intervals(estimates, references, others);
-  figure.title = "95 % intervals, divided by the first estimate";
-  figure.value_title = "relative to the first";
+  // Divided by the estimate that comes closest to the truth, not by the first: that is LS, which may be off by a
+  // factor.
+  size_t believed = 0, set = 0;
+  bool trusted = false;
+  for (const Estimate& e : estimates) {
+    if (e.parameters.empty()) continue;
+    if (e.status.ok() || !trusted) believed = set;
+    trusted |= e.status.ok();
+    ++set;
+  }
+  if (set > 0) std::rotate(figure.sets.begin(), figure.sets.begin() + believed, figure.sets.begin() + believed + 1);
+  const std::string unit = set > 0 ? figure.sets[0].name : "the first";
+  figure.title = "95 % intervals, divided by " + unit;
+  figure.value_title = "relative to " + unit;
   figure.scale = IntervalFigure::Scale::kRelativeToFirst;
   figure.limits = std::make_pair(-1.0, 3.0);
   values.blocks.emplace_back(FigureGrid{1, {std::move(figure)}});

@@ -30,9 +30,10 @@ struct RecordingFit {
   int samples = 0;                         // decimated
   Eigen::VectorXd relative_error_percent;  // 100 |Y_j - W_j chi| / |Y_j|, decimated, as in the paper's Table VI
   double relative_error_percent_all = 0.0;
-  Eigen::VectorXd rms_torque;             // [N m or N] of the decimated residual
-  Eigen::VectorXd rms_torque_unfiltered;  // of the unfiltered torque less the model, at the recorded rate
-  Eigen::VectorXd residual_lag1;          // autocorrelation of the decimated residual at lag 1: 0 if white
+  Eigen::VectorXd rms_torque;  // [N m or N] of the decimated residual
+  // Of the unfiltered torque less the model, at the recorded rate, between the first and last decimated instant.
+  Eigen::VectorXd rms_torque_unfiltered;
+  Eigen::VectorXd residual_lag1;  // autocorrelation of the decimated residual at lag 1: 0 if white
 };
 
 // How well the data determine one drive gain (solvers/gain_verdict.h).

@@ -50,7 +50,7 @@ Result<Reference> ReadReference(const std::string& path) {
     if (!found->is_string()) return Status::BadInput(path + ": key '" + key + "': expected a text");
     *value = found->get<std::string>();
   }
-  if (reference.name.empty()) reference.name = path;
+  if (reference.name.empty()) reference.name = path.substr(path.find_last_of('/') + 1);
   if (status == "untrusted") reference.warning = message.empty() ? "no reason stated" : message;
   const auto parameters = json.find("parameters");
   if (!reference.warning.empty() && parameters != json.end() && parameters->empty()) {

@@ -27,9 +27,9 @@ struct Reference {
   const Entry* Find(const std::string& parameter) const;
 };
 
-// JSON in the format of estimate.json, of which "name" (else "estimator", else the path), "robot", "status", "message",
-// and of "parameters" "name", "value" and "standard_deviation" are read; so an estimate.json is a reference itself.
-// Refuses what is not, naming file and key.
+// JSON in the format of estimate.json, of which "name" (else "estimator", else the file's), "robot", "status",
+// "message", and of "parameters" "name", "value" and "standard_deviation" are read; so an estimate.json is a reference
+// itself. Refuses what is not, naming file and key.
 Result<Reference> ReadReference(const std::string& path);
 
 // Of a comma-separated list of paths, in its order; empty for an empty list. Those of the same name have their paths

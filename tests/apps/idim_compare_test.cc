@@ -1,0 +1,226 @@
+// idim_compare as its user runs it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <sstream>
+
+#include "tests/apps/comparison_study.h"
+#include "tests/apps/small_study.h"
+#include "tests/support/browser.h"
+#include "tests/support/shared_recordings.h"
+
+namespace idim {
+namespace {
+
+using testing::Dataset;
+using ::testing::ElementsAre;
+using testing::FilesIn;
+using testing::FindParameter;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::json;
+
+std::vector<std::string> Names(const Json& comparison) {
+  std::vector<std::string> names;
+  for (const Json& e : comparison.at("estimates")) names.push_back(e.at("estimator"));
+  return names;
+}
+
+class IdimCompare : public ::testing::Test {
+ protected:
+  testing::ProgramRun Run(const std::string& study, const std::string& flags = "") {
+    return testing::RunProgram("idim_compare",
+                               folder_.Write("study.yaml", study) + " --output=" + folder_ / "out" + " " + flags);
+  }
+  Json Comparison() const { return testing::ReadJson(folder_ / "out/comparison.json"); }
+
+  TempFolder folder_;
+};
+
+TEST_F(IdimCompare, WritesTheContract) {
+  const testing::ProgramRun run = Run(testing::SyntheticStudy(testing::kIdentifyGains));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  EXPECT_THAT(FilesIn(folder_ / "out"), ElementsAre("comparison.json", "report.html"));
+  const Json comparison = Comparison();
+  EXPECT_EQ(comparison.at("schema"), "idim.comparison.1");
+  EXPECT_THAT(Names(comparison), ElementsAre("ls", "wls", "tls", "wtls", "gtls", "wgtls"));
+  for (const Json& e : comparison.at("estimates")) {
+    EXPECT_EQ(e.at("schema"), "idim.estimate.1");
+    EXPECT_EQ(e.at("robot"), "staubli_tx40");
+    for (const char* key : {"status", "message", "parameters", "covariance", "noise", "recordings", "condition_number",
+                            "seconds", "gain_diagnoses"}) {
+      EXPECT_TRUE(e.contains(key)) << key;
+    }
+    EXPECT_EQ(e.at("status") == "ok", e.at("message") == "") << e.at("message");
+    EXPECT_EQ(e.at("recordings").size(), 5u);
+    EXPECT_EQ(e.at("gain_diagnoses").size(), 6u);
+    const size_t c = e.at("parameters").size();
+    EXPECT_EQ(c, 6u + 61u + 9u);
+    ASSERT_EQ(e.at("covariance").size(), c);
+    for (size_t k = 0; k < c; ++k) {
+      const Json& p = e.at("parameters").at(k);
+      for (const char* key : {"name", "kind", "joint", "value", "standard_deviation", "interval95", "unit"}) {
+        EXPECT_TRUE(p.contains(key)) << key;
+      }
+      EXPECT_EQ(p.at("kind") == "drive_gain", k < 6) << p;
+      EXPECT_NEAR(std::sqrt(e.at("covariance").at(k).at(k).get<double>()), p.at("standard_deviation").get<double>(),
+                  1e-12 + 1e-9 * p.at("standard_deviation").get<double>());
+    }
+    EXPECT_EQ(e.contains("singular_values"), e.at("estimator").get<std::string>().find("tls") != std::string::npos);
+  }
+  for (const char* name : {"IDIM-LS", "IDIM-WGTLS", "g6", "ZZ1R", "written to"}) EXPECT_THAT(run.out, HasSubstr(name));
+
+  // One column of the table starts where the one above it does.
+  std::istringstream lines(run.out.substr(run.out.find("parameter ")));
+  std::string header, line;
+  std::getline(lines, header);
+  for (std::getline(lines, line); line.rfind("g", 0) == 0; std::getline(lines, line)) {
+    EXPECT_EQ(line.size(), header.size()) << line << "\n" << header;
+  }
+}
+
+// The truth is known here. LS and WLS take the noise of the signals for motion and come out too small (paper Table II,
+// design 3); scaled weighted TLS is at the truth within a few per cent.
+TEST_F(IdimCompare, LsShrinksGainsAndScaledTlsDoesNot) {
+  ASSERT_NE(Run(testing::SyntheticStudy(testing::kIdentifyGains)).exit_code, 1);
+  std::map<std::string, double> mean;
+  const double truth[] = {33.9, 32.4, 24.2, -9.21, 16.3, 6.79};
+  for (const Json& e : Comparison().at("estimates")) {
+    double sum = 0.0, worst = 0.0;
+    for (int j = 0; j < 6; ++j) {
+      const double error = FindParameter(e, "g" + std::to_string(j + 1)).at("value").get<double>() / truth[j] - 1.0;
+      sum += error / 6.0;
+      worst = std::max(worst, std::abs(error));
+    }
+    mean[e.at("estimator")] = sum;
+    if (e.at("estimator") == "wgtls") {
+      EXPECT_LT(worst, 0.1);
+    }
+  }
+  EXPECT_LT(mean["ls"], -0.1);
+  EXPECT_LT(mean["wls"], -0.1);
+  EXPECT_LT(std::abs(mean["wgtls"]), 0.05);
+}
+
+TEST_F(IdimCompare, SameInputSameBytes) {
+  std::string first[3];
+  for (int k = 0; k < 2; ++k) {
+    const testing::ProgramRun run = Run(testing::SyntheticStudy(testing::kIdentifyGains));
+    Json json = Comparison();
+    for (Json& e : json.at("estimates")) {
+      EXPECT_GT(e.at("seconds").get<double>(), 0.0);
+      e.erase("seconds");  // the one thing that is measured anew
+    }
+    const std::string files[3] = {json.dump(), testing::ReadText(folder_ / "out/report.html"), run.out};
+    for (int f = 0; f < 3; ++f) {
+      if (k == 1) {
+        EXPECT_TRUE(files[f] == first[f]) << f;
+      }
+      first[f] = files[f];
+    }
+  }
+}
+
+TEST_F(IdimCompare, KnownGainsHaveTwoEstimators) {
+  testing::SmallStudy study;
+  const testing::ProgramRun run = testing::RunProgram("idim_compare", study.Arguments());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(Names(testing::ReadJson(study.folder / "out/comparison.json")), ElementsAre("ls", "wls"));
+  EXPECT_THAT(run.out, Not(HasSubstr("g1")));
+}
+
+// What no estimator can tell: exit code 2, and both files say so.
+TEST_F(IdimCompare, NothingToTrust) {
+  testing::SmallStudy study;
+  testing::Replace("name: a,", "name: a, payload: p,", &study.study);
+  study.study += "payloads: {p: {M: 1.0}}\n";
+  const testing::ProgramRun run = testing::RunProgram("idim_compare", study.Arguments());
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("not identifiable"));
+  EXPECT_THAT(run.out, HasSubstr("IDIM-WLS: no estimate; not to be trusted: not identifiable"));
+  for (const Json& e : testing::ReadJson(study.folder / "out/comparison.json").at("estimates")) {
+    EXPECT_EQ(e.at("status"), "untrusted");
+    EXPECT_THAT(e.at("message").get<std::string>(), HasSubstr("not identifiable"));
+  }
+  EXPECT_THAT(testing::ReadText(study.folder / "out/report.html"), HasSubstr("not to be trusted: not identifiable"));
+}
+
+TEST_F(IdimCompare, BadInputIsOneMessageAndNoFile) {
+  const struct {
+    std::string study, flags;
+    std::vector<std::string> message;
+  } table[] = {
+      {testing::SyntheticStudy("gains: {mode: guess}"), "", {"gains.mode", "identify"}},
+      {testing::SyntheticStudy("gains: {mode: identify}\npayload: 3"), "", {"payload", "payloads"}},
+      {testing::SyntheticStudy(testing::kIdentifyGains), "--r_sigma=0.3", {"--r_sigma", "0.3"}},
+      {testing::SyntheticStudy(testing::kIdentifyGains), "--reference=nowhere.json", {"nowhere.json"}},
+  };
+  for (const auto& row : table) {
+    const testing::ProgramRun run = Run(row.study, row.flags);
+    EXPECT_EQ(run.exit_code, 1) << run.err;
+    for (const std::string& part : row.message) EXPECT_THAT(run.err, HasSubstr(part));
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_EQ(run.out, "");
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  }
+  // No known payload: gains have no scale.
+  std::string study = testing::SyntheticStudy(testing::kIdentifyGains);
+  testing::Replace("{M: 4.59}", "{}", &study);
+  const testing::ProgramRun run = Run(study);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, ::testing::AllOf(HasSubstr("payloads"), HasSubstr("scale"), HasSubstr("{M: 4.59}")));
+}
+
+TEST_F(IdimCompare, ReportIsDrawnWholeInABrowser) {
+  const auto chromium = testing::FindChromium();
+  if (!chromium) GTEST_SKIP() << "skipped: no Chromium here";
+  ASSERT_NE(Run(testing::SyntheticStudy(testing::kIdentifyGains), "--reference=" + Dataset("tx40_synthetic/truth.json"))
+                .exit_code,
+            1);
+  const auto drawn = testing::OpenReport(*chromium, folder_ / "out/report.html");
+  ASSERT_TRUE(drawn.ok()) << drawn.status().message();
+  EXPECT_EQ(drawn->figures_expected, 6 + 1 + 4) << "a gain each, parameters, singular values of four estimators";
+  EXPECT_TRUE(drawn->AllDrawn()) << drawn->figures_drawn << " drawn, " << drawn->script_errors << " errors";
+}
+
+// Plain LS and TLS were found useless on this arm by others (datasets/README of the recordings): 2.9 and 56 N m/A for
+// gain 1. Fitting the current in its own units, an independent route, gave the values below.
+TEST_F(IdimCompare, RealUr10e) {
+  IDIM_SKIP_WITHOUT("ur10e/load_14.csv");
+  const testing::ProgramRun run =
+      testing::RunProgram("idim_compare", Dataset("ur10e/study.yaml") + " --output=" + folder_ / "out");
+  EXPECT_NE(run.exit_code, 1) << run.err;
+  const double by_current[] = {10.5, 12.4, 9.9, 10.4, 10.3, 10.4};
+  int seen = 0;
+  for (const Json& e : Comparison().at("estimates")) {
+    const std::string name = e.at("estimator");
+    const Json g1 = FindParameter(e, "g1");
+    const bool ok = e.at("status") == "ok";
+    seen += name == "ls" || name == "tls" || name == "wgtls";
+    if (name == "ls") {
+      EXPECT_LT(g1.at("value").get<double>(), 5.0);
+    }
+    if (name == "tls") {
+      EXPECT_TRUE(!ok || g1.at("value").get<double>() > 30.0) << g1;
+    }
+    if (name != "wgtls") continue;
+    for (int j = 0; j < 6; ++j) {
+      const Json g = FindParameter(e, "g" + std::to_string(j + 1));
+      EXPECT_NEAR(g.at("value").get<double>(), by_current[j], 0.15 * by_current[j]) << g;
+    }
+    const Json& verdict = e.at("gain_diagnoses").at(0);
+    EXPECT_EQ(verdict.at("name"), "g1");
+    EXPECT_NE(verdict.at("strength"), "strong");
+    EXPECT_THAT(verdict.at("sentence").get<std::string>(), HasSubstr("gravity of the known payload puts no torque"));
+    EXPECT_THAT(e.at("gain_diagnoses").at(1).at("sentence").get<std::string>(), HasSubstr("gravity alone"));
+  }
+  EXPECT_EQ(seen, 3);
+}
+
+}  // namespace
+}  // namespace idim

@@ -126,9 +126,7 @@ std::string EstimateToText(const Estimate& e) {
   text += Format("\n%d parameters, cond(W) = %.0f (weighted %.0f), relative error |rho|/|Y| = %.2f %%\n",
                  static_cast<int>(e.parameters.size()), e.condition_number, e.condition_number_weighted,
                  e.relative_error_percent);
-  for (const GainDiagnosis& g : e.gain_diagnoses) {
-    text += Format("\n%s (%s): ", g.name.c_str(), g.strength.c_str()) + g.sentence;
-  }
+  for (const GainDiagnosis& g : e.gain_diagnoses) text += "\n" + g.sentence;
   if (!e.gain_diagnoses.empty()) text += "\n";
   text += "\nrecording                    samples  relative error per joint, %\n";
   for (const RecordingFit& r : e.recordings) {

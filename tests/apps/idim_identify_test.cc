@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/dynamics/base_parameters.h"
+#include "tests/apps/comparison_study.h"
 #include "tests/apps/small_study.h"
 #include "tests/support/browser.h"
 #include "tests/support/program.h"
@@ -14,19 +18,12 @@
 namespace idim {
 namespace {
 
+using testing::Dataset;
+using testing::FilesIn;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-std::string Dataset(const std::string& path) { return std::string(IDIM_SOURCE_DIR) + "/datasets/" + path; }
-
 Json Estimate(const std::string& output) { return Json::parse(testing::ReadText(output + "/estimate.json")); }
-
-std::vector<std::string> FilesIn(const std::string& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) names.push_back(entry.path().filename());
-  std::sort(names.begin(), names.end());
-  return names;
-}
 
 TEST(IdimIdentify, FindsTheSmallArmAndWritesThreeFiles) {
   testing::SmallStudy study;
@@ -202,6 +199,59 @@ TEST(IdimIdentify, ReportIsDrawnWholeInABrowser) {
   EXPECT_EQ(drawn->figures_drawn, drawn->figures_expected);
   EXPECT_EQ(drawn->script_errors, 0);
   EXPECT_TRUE(drawn->AllDrawn());
+}
+
+// Total least squares and its scaled and weighted forms, under their own names.
+TEST(IdimIdentify, GainsByEveryTotalLeastSquares) {
+  const TempFolder folder;
+  const std::string study = folder.Write("study.yaml", testing::SyntheticStudy(testing::kIdentifyGains));
+  std::map<std::string, double> g5;
+  for (const std::string name : {"tls", "wtls", "gtls", "wgtls"}) {
+    const testing::ProgramRun run = testing::RunProgram(
+        "idim_identify", study + " --estimator=" + name + " --reference=" + Dataset("tx40_synthetic/truth.json") +
+                             " --output=" + folder / name);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_THAT(FilesIn(folder / name), ::testing::ElementsAre("estimate.json", "report.html", "residuals.csv"));
+    const Json json = Estimate(folder / name);
+    EXPECT_EQ(json.at("estimator"), name);
+    EXPECT_EQ(json.at("gain_diagnoses").size(), 6u);
+    EXPECT_EQ(json.at("parameters").at(0).at("kind"), "drive_gain");
+    EXPECT_GT(json.at("singular_values").size(), 1u);
+    g5[name] = testing::FindParameter(json, "g5").at("value");
+    std::string title = "IDIM-";
+    for (const char c : name) title += static_cast<char>(std::toupper(c));
+    // The console says which estimator it was, and each gain's verdict.
+    EXPECT_THAT(run.out, HasSubstr("staubli_tx40, " + title + "\n"));
+    EXPECT_THAT(run.out, HasSubstr("\ng6 is weak: "));
+    EXPECT_THAT(run.out, HasSubstr("beside: truth.json"));
+    EXPECT_THAT(testing::ReadText(folder / name + "/report.html"), HasSubstr(title));
+  }
+  // Four estimators, not one under four names.
+  std::set<double> different;
+  for (const auto& [name, value] : g5) different.insert(value);
+  EXPECT_EQ(different.size(), 4u);
+  EXPECT_NEAR(g5["wgtls"], 16.3, 0.08 * 16.3);
+}
+
+// A gain whose sign contradicts what is known of it: exit code 2, but the numbers and the report are there to be looked
+// at, and each of them says what they are.
+TEST(IdimIdentify, UntrustedGainsComeWithNumbersAndReport) {
+  const TempFolder folder;
+  const std::string study = folder.Write(
+      "study.yaml",
+      testing::SyntheticStudy("gains: {mode: identify, values: [32.96, 32.96, 25.65, 11.52, 18.48, 7.68]}"));
+  const testing::ProgramRun run =
+      testing::RunProgram("idim_identify", study + " --estimator=wgtls --output=" + folder / "out");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, ::testing::AllOf(HasSubstr("g4"), HasSubstr("opposite sign"), HasSubstr("11.52")));
+  EXPECT_THAT(FilesIn(folder / "out"), ::testing::ElementsAre("estimate.json", "report.html", "residuals.csv"));
+  const Json json = Estimate(folder / "out");
+  EXPECT_EQ(json.at("status"), "untrusted");
+  EXPECT_THAT(json.at("message").get<std::string>(), HasSubstr("g4"));
+  EXPECT_EQ(json.at("parameters").size(), 6u + 61u + 9u);
+  EXPECT_LT(testing::FindParameter(json, "g4").at("value").get<double>(), 0.0);
+  EXPECT_THAT(run.out, HasSubstr("NOT TO BE TRUSTED: gains"));
+  EXPECT_THAT(testing::ReadText(folder / "out/report.html"), HasSubstr("Not to be trusted: gains"));
 }
 
 }  // namespace

@@ -43,5 +43,22 @@ TEST(Clip, LongAndUnprintable) {
   EXPECT_EQ(Clip(std::string(50, 'x')), std::string(40, 'x') + "...");
 }
 
+TEST(Format, IsPrintfOfAnyLength) {
+  EXPECT_EQ(Format("%d %s %.2f", 3, "x", 1.005), "3 x 1.00");
+  const std::string longer(2000, 'a');
+  EXPECT_EQ(Format("<%s>", longer.c_str()), "<" + longer + ">");
+  EXPECT_EQ(Format("%s", ""), "");
+}
+
+// A sigma takes two bytes and one column; no blanks at the ends of lines; rows may be short.
+TEST(AlignColumns, FirstToTheLeftOthersToTheRight) {
+  EXPECT_EQ(AlignColumns({{"a", "\xcf\x83", "value"}, {"long", "12", ""}, {"b"}, {"c", "", "3"}}),
+            "a      \xcf\x83  value\n"
+            "long  12\n"
+            "b\n"
+            "c             3\n");
+  EXPECT_EQ(AlignColumns({}), "");
+}
+
 }  // namespace
 }  // namespace idim

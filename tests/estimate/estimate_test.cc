@@ -7,6 +7,7 @@
 
 #include "core/estimate/reference.h"
 #include "core/estimate/series.h"
+#include "tests/support/temp_folder.h"
 
 namespace idim {
 namespace {
@@ -132,6 +133,42 @@ TEST(ResidualsToCsv, OneLineADecimatedSample) {
             "recording,use,t,q1,q2,dq1,dq2,tau1,tau2,model1,model2,residual1,residual2\n"
             "free,identification,0.5,0.1,0.1,0.2,0.2,3,3,1,1,2,2\n"
             "free,identification,1,0.1,0.1,0.2,0.2,3,3,1,1,2,2\n");
+}
+
+TEST(Reference, SaysWhoseItIsAndWhetherItTrustsItself) {
+  const TempFolder folder;
+  const std::string parameters = "\"parameters\": [{\"name\": \"g1\", \"value\": 2}]}";
+  const auto read = [&](const std::string& head) { return ReadReference(folder.Write("r/e.json", head + parameters)); };
+  EXPECT_EQ(read("{")->name, "e.json");
+  EXPECT_EQ(read("{\"estimator\": \"wls\",")->name, "wls");
+  EXPECT_EQ(read("{\"name\": \"Table I\", \"estimator\": \"wls\",")->name, "Table I");
+  EXPECT_EQ(read("{\"robot\": \"tx40\",")->robot, "tx40");
+  EXPECT_EQ(read("{\"status\": \"ok\", \"message\": \"\",")->warning, "");
+  EXPECT_EQ(read("{\"status\": \"untrusted\", \"message\": \"g1 is weak\",")->warning, "g1 is weak");
+  EXPECT_THAT(read("{\"name\": 5,").status().message(), HasSubstr("'name': expected a text"));
+}
+
+TEST(Reference, OfTheSameNameAreToldApartByTheirPaths) {
+  const TempFolder folder;
+  const auto write = [&](const std::string& file, const std::string& name) {
+    return folder.Write(file, "{\"name\": \"" + name + "\", \"parameters\": [{\"name\": \"g1\", \"value\": 2}]}");
+  };
+  const std::string a = write("a.json", "wls"), b = write("b.json", "wls"), c = write("c.json", "ls");
+  const Result<std::vector<Reference>> references = ReadReferences(a + "," + c + "," + b);
+  ASSERT_TRUE(references.ok());
+  EXPECT_EQ((*references)[0].name, "wls (" + a + ")");
+  EXPECT_EQ((*references)[1].name, "ls");
+  EXPECT_EQ((*references)[2].name, "wls (" + b + ")");
+}
+
+TEST(EstimateToText, NamesItsEstimatorAndItsDoubts) {
+  Estimate e = Example();
+  e.estimator = "wtls";
+  e.preprocessing = std::string(900, 'x') + " end";
+  EXPECT_THAT(EstimateToText(e), ::testing::AllOf(HasSubstr("IDIM-WTLS"), HasSubstr("x end\n")));
+  EXPECT_THAT(EstimateToText(e), ::testing::Not(HasSubstr("TRUSTED")));
+  e.status = Status::Untrusted("g1 is weak");
+  EXPECT_THAT(EstimateToText(e), HasSubstr("NOT TO BE TRUSTED: g1 is weak"));
 }
 
 }  // namespace

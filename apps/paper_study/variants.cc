@@ -130,7 +130,7 @@ std::pair<double, double> KnownTorqueShares(const GainSystem& system, const Vect
 // Rows divided by what known gains leave of each joint's equations, before any gain is identified.
 GainSystem WeightedByKnownGains(const GainSystem& system) {
   const VectorXd sigma =
-      SignalNoise(system, GainOptions().rank_tolerance).cwiseProduct(system.a_priori_gains.cwiseAbs());
+      SignalNoise(system, GainOptions().rank_tolerance).diagonal().cwiseProduct(system.a_priori_gains.cwiseAbs());
   GainSystem weighted = system;
   for (int j = 0; j < system.dof(); ++j) {
     weighted.joints[j] = TriangularFactor(system.joints[j].columns());

@@ -176,8 +176,8 @@ std::optional<std::pair<double, double>> Around(const std::vector<Estimate>& est
   if (centre == 0.0) return std::nullopt;
   // From zero, which is no gain at all, to twice the centre, and a little beyond, to round numbers.
   const double step = 0.5 * std::pow(10.0, std::floor(std::log10(std::abs(centre))));
-  const double near = step * std::ceil(0.2 * std::abs(centre) / step);
-  const double far = step * std::ceil(2.2 * std::abs(centre) / step);
+  const auto round = [&](double share) { return step * std::ceil(share * std::abs(centre) / step - 1e-9); };
+  const double near = round(0.2), far = round(2.2);
   const auto limits = centre > 0.0 ? std::make_pair(-near, far) : std::make_pair(-far, near);
   if (lowest >= limits.first && highest <= limits.second) return std::nullopt;
   return limits;

@@ -19,6 +19,8 @@ Estimate Of(const std::string& estimator, const std::vector<std::pair<std::strin
   Estimate e;
   e.robot = "arm";
   e.estimator = estimator;
+  e.relative_error_percent = 5.0;
+  e.recordings.emplace_back();
   for (const auto& [name, value] : values) {
     ParameterEstimate p;
     p.parameter = {name, name[0] == 'g' ? ParameterKind::kDriveGain : ParameterKind::kBase, 1, "u"};
@@ -50,7 +52,7 @@ TEST(ComparisonToText, ValueSpreadAndDifferenceToTheFirstUsable) {
   truth.name = "truth";
   truth.parameters = {{"g1", 9.0, 0.0}};
   const std::string text =
-      ComparisonToText({none, Of("wls", {{"g1", 10.0}, {"A", 1e-9}, {"B", 2.0}}), doubtful}, {truth});
+      ComparisonToText(Comparison{{none, Of("wls", {{"g1", 10.0}, {"A", 1e-9}, {"B", 2.0}}), doubtful}, {}, {truth}});
   EXPECT_THAT(text, HasSubstr("IDIM-LS: no estimate; not to be trusted: no rank\n"));
   EXPECT_THAT(text, HasSubstr("difference to IDIM-WLS in %"));
   const auto lines = Words(text);
@@ -60,14 +62,15 @@ TEST(ComparisonToText, ValueSpreadAndDifferenceToTheFirstUsable) {
   EXPECT_THAT(lines[2], ElementsAre("A", "+1.000e-09", ">9999"));
   EXPECT_THAT(lines[3], ElementsAre("B", "+2.000e+00", "25.0", "+0.000e+00", ">9999", "-100.0"));
   EXPECT_THAT(text, HasSubstr("IDIM-AN_ESTIMATOR_OF_A_VERY_LONG_NAME (!)"));
-  EXPECT_EQ(ComparisonToText({none}, {}), "IDIM-LS: no estimate; not to be trusted: no rank\n");
+  EXPECT_EQ(ComparisonToText(Comparison{{none}, {}, {}}), "IDIM-LS: no estimate; not to be trusted: no rank\n");
 }
 
 // Parameters that one estimator cancelled keep their place in the model's order.
 TEST(ComparisonToText, OrderIsTheModels) {
-  const auto lines = Words(ComparisonToText(
+  const auto lines = Words(ComparisonToText(Comparison{
       {Of("ls", {{"A", 1.0}, {"C", 1.0}, {"D", 1.0}}), Of("wls", {{"A", 1.0}, {"B", 1.0}, {"D", 1.0}, {"E", 1.0}})},
-      {}));
+      {},
+      {}}));
   std::vector<std::string> names;
   for (const auto& line : lines) names.push_back(line[0]);
   EXPECT_THAT(names, ElementsAre("parameter", "A", "B", "C", "D", "E"));
@@ -83,19 +86,24 @@ TEST(RenderComparisonReport, AGainThatIsFarOffDoesNotFlattenTheOthers) {
     const size_t at = figure.find("\"limits\":");
     return at == std::string::npos ? std::string() : figure.substr(at, figure.find(']', at) + 1 - at);
   };
-  EXPECT_EQ(limits(RenderComparisonReport({Of("ls", {{"g1", 8.0}}), Of("wgtls", {{"g1", 10.0}})}, {})), "");
+  EXPECT_EQ(limits(RenderComparisonReport(Comparison{{Of("ls", {{"g1", 8.0}}), Of("wgtls", {{"g1", 10.0}})}, {}, {}})),
+            "");
   const Estimate far = Of("tls", {{"g1", 1000.0}});
-  EXPECT_EQ(limits(RenderComparisonReport({far, Of("wgtls", {{"g1", 10.0}})}, {})), "\"limits\":[-5.0,25.0]");
-  EXPECT_EQ(limits(RenderComparisonReport({far, Of("wgtls", {{"g1", -10.0}})}, {})), "\"limits\":[-25.0,5.0]");
+  EXPECT_EQ(limits(RenderComparisonReport(Comparison{{far, Of("wgtls", {{"g1", 10.0}})}, {}, {}})),
+            "\"limits\":[-5.0,25.0]");
+  EXPECT_EQ(limits(RenderComparisonReport(Comparison{{far, Of("wgtls", {{"g1", -10.0}})}, {}, {}})),
+            "\"limits\":[-25.0,5.0]");
   // The last is not to be trusted: the one before is the centre.
   Estimate doubtful = far;
   doubtful.status = Status::Untrusted("weak");
-  EXPECT_EQ(limits(RenderComparisonReport({Of("ls", {{"g1", 20.0}}), doubtful}, {})), "\"limits\":[-5.0,45.0]");
+  EXPECT_EQ(limits(RenderComparisonReport(Comparison{{Of("ls", {{"g1", 20.0}}), doubtful}, {}, {}})),
+            "\"limits\":[-5.0,45.0]");
   // A reference is believed before all.
   Reference truth;
   truth.name = "truth";
   truth.parameters = {{"g1", 50.0, 0.0}};
-  EXPECT_EQ(limits(RenderComparisonReport({Of("ls", {{"g1", 20.0}}), far}, {truth})), "\"limits\":[-10.0,110.0]");
+  EXPECT_EQ(limits(RenderComparisonReport(Comparison{{Of("ls", {{"g1", 20.0}}), far}, {}, {truth}})),
+            "\"limits\":[-10.0,110.0]");
 }
 
 TEST(RenderComparisonReport, ParametersAreRelativeToTheEstimateToBelieve) {
@@ -105,12 +113,13 @@ TEST(RenderComparisonReport, ParametersAreRelativeToTheEstimateToBelieve) {
   none.estimator = "tls";
   none.status = Status::Untrusted("no rank");
   const std::string html =
-      RenderComparisonReport({Of("ls", {{"A", 1.0}}), none, Of("gtls", {{"A", 2.0}}), doubtful}, {});
+      RenderComparisonReport(Comparison{{Of("ls", {{"A", 1.0}}), none, Of("gtls", {{"A", 2.0}}), doubtful}, {}, {}});
   EXPECT_THAT(html, HasSubstr("95 % intervals, divided by IDIM-GTLS"));
   // Not -1.00 for what was not computed.
   EXPECT_THAT(html, HasSubstr("not to be trusted: no rank"));
   EXPECT_THAT(html, Not(HasSubstr("<td>IDIM-TLS</td><td class=\"number\">-1")));
-  EXPECT_EQ(html, RenderComparisonReport({Of("ls", {{"A", 1.0}}), none, Of("gtls", {{"A", 2.0}}), doubtful}, {}));
+  EXPECT_EQ(html, RenderComparisonReport(
+                      Comparison{{Of("ls", {{"A", 1.0}}), none, Of("gtls", {{"A", 2.0}}), doubtful}, {}, {}}));
 }
 
 }  // namespace

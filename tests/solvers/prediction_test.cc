@@ -86,15 +86,16 @@ TEST_F(PredictionTest, SignalDeviationIsOnTheSideOfTheSignal) {
   study.robot.transmission << 30.0, 0.0, 20.0, -40.0;
   study.signal_side = Side::kMotor;
   const VectorXd gains = (VectorXd(2) << 0.5, 2.0).finished();
-  MatrixXd noise(4, 2);
-  noise << 1, 0, -1, 2, 1, -2, -1, 0;  // root mean squares 1 and sqrt(2)
+  // Root mean squares 1 and sqrt(2) between the decimated instants; what the filter made of the ends does not count.
+  MatrixXd noise(6, 2);
+  noise << 50, -80, 1, 0, -1, 2, 1, -2, -1, 0, 70, 30;
   RecordingSeries series;
   series.use = "identification";
-  series.t = VectorXd::LinSpaced(4, 0.0, 1.0);
-  series.decimated_t = series.t;
-  series.model = MatrixXd::Random(4, 2);
+  series.t = VectorXd::LinSpaced(6, 0.0, 5.0);
+  series.decimated_t = VectorXd::LinSpaced(2, 1.0, 4.0);
+  series.model = MatrixXd::Random(6, 2);
   series.torque = series.model;
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 6; ++i) {
     series.torque(i, 0) += 30.0 * 0.5 * noise(i, 0) + 20.0 * 2.0 * noise(i, 1);
     series.torque(i, 1) += -40.0 * 2.0 * noise(i, 1);
   }

@@ -177,15 +177,10 @@ Status CheckGains(const GainSystem& system, const GainSummary& summary) {
   }
   if (why.empty()) return Status::Ok();
   why = "gains that cannot be trusted: " + why;
-<<<<<<< HEAD
+  std::string verdicts;
   for (const GainVerdict& verdict : summary.verdicts) {
     if (verdict.strength == GainStrength::kStrong || why.find(verdict.name + " = ") == std::string::npos) continue;
-    why += "\n" + verdict.sentence;
-=======
-  std::string verdicts;
-  for (int j = 0; j < system.dof(); ++j) {
-    if (why.find(system.unknowns[j].name + " = ") != std::string::npos) verdicts += " " + summary.verdicts[j].sentence;
->>>>>>> 9f1c839 (Round axis limits; one full stop between the reasons against a gain and its verdict)
+    verdicts += " " + verdict.sentence;
   }
   if (!verdicts.empty()) why += "." + verdicts;
   return Status::Untrusted(why);

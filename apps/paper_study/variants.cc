@@ -12,6 +12,7 @@
 #include "solvers/gain_identification.h"
 #include "solvers/gain_system.h"
 #include "solvers/least_squares.h"
+#include "solvers/signal_noise.h"
 
 namespace idim {
 namespace {

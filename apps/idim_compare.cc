@@ -47,9 +47,7 @@ Status Run(const std::string& study_path) {
     any_usable |= estimate.status.ok();
     comparison.estimates.push_back(std::move(estimate));
   }
-  if (std::optional<idim::Estimate> sequential = runner->RunSequential()) {
-    comparison.estimates.push_back(std::move(*sequential));
-  }
+  comparison.sequential = runner->RunSequential();
   progress.At("is LS biased?");
   idim::Result<std::vector<idim::BiasTest>> bias = runner->TestBias();
   if (!bias.ok()) return bias.status();

@@ -58,7 +58,7 @@ const std::vector<GainDiagnosis>* LastDiagnoses(const std::vector<Estimate>& est
 const Estimate* FirstUsable(const std::vector<Estimate>& estimates) {
   const Estimate* first = nullptr;
   for (const Estimate& e : estimates) {
-    if (e.parameters.empty() || e.recordings.empty()) continue;
+    if (e.parameters.empty()) continue;
     if (e.status.ok()) return &e;
     if (first == nullptr) first = &e;
   }
@@ -75,7 +75,7 @@ Section Verdicts(const std::vector<Estimate>& estimates) {
                    {"weighted", Table::Align::kRight},
                    {"verdict"}};
   for (const Estimate& e : estimates) {
-    const bool solved = !e.recordings.empty();
+    const bool solved = !e.parameters.empty();
     table.rows.push_back({EstimatorTitle(e.estimator), solved ? Format("%.2f", e.relative_error_percent) : "",
                           solved ? Format("%.0f", e.condition_number) : "",
                           solved ? Format("%.0f", e.condition_number_weighted) : "",
@@ -234,10 +234,15 @@ std::string ComparisonToText(const Comparison& comparison) {
   std::string text;
   for (const Estimate& e : estimates) {
     text += EstimatorTitle(e.estimator) + ": ";
-    text += e.parameters.empty()   ? "no estimate"
-            : e.recordings.empty() ? "gains only"
-                                   : "relative error " + Format("%.2f %%", e.relative_error_percent);
+    text += e.parameters.empty() ? "no estimate" : "relative error " + Format("%.2f %%", e.relative_error_percent);
     text += (e.status.ok() ? std::string() : "; not to be trusted: " + e.status.message()) + "\n";
+  }
+  if (comparison.sequential) {
+    text += "one joint at a time:";
+    for (const ParameterEstimate& p : comparison.sequential->parameters) {
+      text += " " + p.parameter.name + Format(" %.4g", p.value);
+    }
+    text += comparison.sequential->status.ok() ? "\n" : "; " + comparison.sequential->status.message() + "\n";
   }
   for (const BiasTest& test : comparison.bias_tests) {
     text += "is LS biased (" + test.equations + ")? " + BiasTestSentence(test) + "\n";
@@ -283,6 +288,7 @@ std::string ComparisonToJson(const Comparison& comparison) {
   json["schema"] = "idim.comparison.1";
   json["estimates"] = nlohmann::ordered_json::array();
   for (const Estimate& e : comparison.estimates) json["estimates"].push_back(EstimateJson(e));
+  if (comparison.sequential) json["sequential"] = EstimateJson(*comparison.sequential);
   if (!comparison.bias_tests.empty()) {
     json["bias_tests"] = nlohmann::ordered_json::array();
     for (const BiasTest& t : comparison.bias_tests) {
@@ -312,6 +318,11 @@ std::string RenderComparisonReport(const Comparison& comparison) {
     (p.kind == ParameterKind::kDriveGain ? gains : others).push_back(p);
   }
   if (!gains.empty()) report.sections.push_back(Gains(estimates, references, gains));
+  if (comparison.sequential) {
+    Table table = ValueTable({*comparison.sequential}, {}, gains);
+    table.caption = "Baseline: one joint at a time, from its own equation";
+    report.sections.back().blocks.emplace_back(std::move(table));
+  }
   Section values;
   values.title = "Parameters";
   values.blocks.emplace_back(ValueTable(estimates, references, others));

@@ -3,6 +3,7 @@
 #ifndef IDIM_CORE_ESTIMATE_COMPARISON_REPORT_H_
 #define IDIM_CORE_ESTIMATE_COMPARISON_REPORT_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct Comparison {
   std::vector<Estimate> estimates;   // by any estimator; those without numbers have a status that says why
   std::vector<BiasTest> bias_tests;  // of least squares; empty where gains are known
   std::vector<Reference> references;
+  // Gains by the baseline that finds them one joint at a time; it has no other parameters and predicts nothing.
+  std::optional<Estimate> sequential = std::nullopt;
 };
 
 // Errors and verdicts, then a line a parameter, and for each estimator with numbers its value, relative standard

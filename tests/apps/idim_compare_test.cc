@@ -73,6 +73,11 @@ TEST_F(IdimCompare, WritesTheContract) {
     }
     EXPECT_EQ(e.contains("singular_values"), e.at("estimator").get<std::string>().find("tls") != std::string::npos);
   }
+  // The baseline has gains alone; the bias of LS is tested in each joint's equations and in all of them.
+  EXPECT_EQ(comparison.at("sequential").at("estimator"), "sequential");
+  for (const Json& p : comparison.at("sequential").at("parameters")) EXPECT_EQ(p.at("kind"), "drive_gain");
+  EXPECT_EQ(comparison.at("bias_tests").size(), 7u);
+  EXPECT_EQ(comparison.at("bias_tests").back().at("equations"), "all joints");
   for (const char* name : {"IDIM-LS", "IDIM-WGTLS", "g6", "ZZ1R", "written to"}) EXPECT_THAT(run.out, HasSubstr(name));
 
   // One column of the table starts where the one above it does.

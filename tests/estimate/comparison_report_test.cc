@@ -19,8 +19,6 @@ Estimate Of(const std::string& estimator, const std::vector<std::pair<std::strin
   Estimate e;
   e.robot = "arm";
   e.estimator = estimator;
-  e.relative_error_percent = 5.0;
-  e.recordings.emplace_back();
   for (const auto& [name, value] : values) {
     ParameterEstimate p;
     p.parameter = {name, name[0] == 'g' ? ParameterKind::kDriveGain : ParameterKind::kBase, 1, "u"};

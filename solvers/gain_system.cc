@@ -13,22 +13,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using RowMajorMatrix = Observation::RowMajorMatrix;
 
-Status CheckStudy(const Study& study) {
-  if (study.gains_mode != GainsMode::kIdentify) {
-    return Status::BadInput(study.path +
-                            ": key 'gains.mode': 'known' leaves no drive gain to identify; expected 'identify'");
-  }
-  bool scaled = false;
-  for (const RecordingEntry& entry : study.recordings) {
-    if (entry.use == Use::kIdentification) scaled |= KnownPayload(study, entry.payload).norm() > 0.0;
-  }
-  if (scaled) return Status::Ok();
-  return Status::BadInput(
-      study.path +
-      ": key 'payloads': no identification recording carries a payload of which anything is known, so that gains and "
-      "parameters have no common scale; expected at least one, with a weighed mass, as in {M: 4.59}");
-}
-
 // Torque at rest of a body on the last link, at each row of q.
 MatrixXd GravityTorque(const BaseParameters& base, const MatrixXd& q, const InertialVector& body) {
   StandardModel model = base.model();
@@ -47,6 +31,22 @@ MatrixXd GravityTorque(const BaseParameters& base, const MatrixXd& q, const Iner
 }
 
 }  // namespace
+
+Status CheckGainStudy(const Study& study) {
+  if (study.gains_mode != GainsMode::kIdentify) {
+    return Status::BadInput(study.path +
+                            ": key 'gains.mode': 'known' leaves no drive gain to identify; expected 'identify'");
+  }
+  bool scaled = false;
+  for (const RecordingEntry& entry : study.recordings) {
+    if (entry.use == Use::kIdentification) scaled |= KnownPayload(study, entry.payload).norm() > 0.0;
+  }
+  if (scaled) return Status::Ok();
+  return Status::BadInput(
+      study.path +
+      ": key 'payloads': no identification recording carries a payload of which anything is known, so that gains and "
+      "parameters have no common scale; expected at least one, with a weighed mass, as in {M: 4.59}");
+}
 
 void GainSystem::Merge(const GainSystem& other) {
   CHECK_EQ(other.dof(), dof());
@@ -94,7 +94,7 @@ Result<GainSystem> BuildGainSystem(const PreparedStudy& prepared) {
 }
 
 Result<GainRows> GainRows::Create(const PreparedStudy& prepared) {
-  if (Status status = CheckStudy(prepared.study); !status.ok()) return status;
+  if (Status status = CheckGainStudy(prepared.study); !status.ok()) return status;
   GainRows rows(prepared);
   rows.unknowns_ = GainParameters(prepared.study.robot.dof());
   rows.unknowns_.insert(rows.unknowns_.end(), prepared.base.parameters().begin(), prepared.base.parameters().end());

@@ -66,6 +66,9 @@ class GainRows {
   std::vector<std::array<int, kNumInertial>> payload_columns_;
 };
 
+// BadInput: what BuildGainSystem refuses.
+Status CheckGainStudy(const Study& study);
+
 // One pass over the identification recordings of a study with gains.mode identify.
 // BadInput: gains that are known; no identification recording with a payload of which a parameter other than 0 is
 // known, without which gains and parameters have no scale.

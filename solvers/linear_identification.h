@@ -10,7 +10,7 @@
 // rest solved again, until max / min of the relative standard deviations is below r_sigma.
 //
 // Fails, as a diagnosed result, where W has not full column rank: the parameters of each direction that the data do
-// not see are named. Biased where W is noisy (design: the bundle of a later version); intervals too short where rho is
+// not see are named. Biased where W is noisy (solvers/bundle.h is not); intervals too short where rho is
 // correlated in time.
 
 #ifndef IDIM_SOLVERS_LINEAR_IDENTIFICATION_H_

@@ -1,0 +1,186 @@
+#include "solvers/bundle_data.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/observation/observation_stream.h"
+#include "core/signal/state_covariance.h"
+#include "solvers/gain_system.h"
+#include "solvers/payload_unknowns.h"
+
+namespace idim {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Appends the samples of one recording.
+void AddRecording(const PreparedRecording& recording, const PreparedStudy& prepared, int index, BundleData* data) {
+  const int payload = recording.entry.payload;
+  const JointStates& states = recording.states;
+  MatrixXd all(states.q.rows(), 3 * data->dof);
+  all << states.q, states.dq, states.ddq;
+  const MatrixXd decimated = recording.decimator.Apply(all);
+  InertialVector known = InertialVector::Zero();
+  if (payload >= 0) known = data->known_payload[payload];
+  Eigen::Index row = 0;
+  StreamObservations(prepared.base, states, recording.recording.signal, prepared.velocity_sigma, recording.decimator,
+                     [&](const Observation& observation) {
+                       BundleSample sample;
+                       sample.recording = index;
+                       sample.columns.setZero(data->dof, data->num_columns());
+                       sample.columns.leftCols(data->num_base) = observation.base;
+                       for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
+                         const int column = data->payload_columns[payload][k];
+                         if (column >= 0) sample.columns.col(column) = observation.payload.col(k);
+                       }
+                       sample.known = observation.payload * known;
+                       sample.signal = observation.signal;
+                       sample.state = decimated.row(row++);
+                       data->samples.push_back(std::move(sample));
+                     });
+}
+
+}  // namespace
+
+Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
+  const Study& study = prepared.study;
+  if (Status status = CheckGainStudy(study); !status.ok()) return status;
+  BundleData data;
+  data.dof = study.robot.dof();
+  data.num_base = prepared.base.size();
+  data.unknowns = GainParameters(data.dof);
+  data.unknowns.insert(data.unknowns.end(), prepared.base.parameters().begin(), prepared.base.parameters().end());
+  data.payload_columns = AppendPayloadUnknowns(study, &data.unknowns);
+  for (auto& columns : data.payload_columns) {
+    for (int& column : columns) column -= column >= 0 ? data.dof : 0;
+  }
+  for (int p = 0; p < static_cast<int>(study.payloads.size()); ++p)
+    data.known_payload.push_back(KnownPayload(study, p));
+  data.inverse_drive =
+      JointTorque(study, VectorXd::Ones(data.dof), MatrixXd::Identity(data.dof, data.dof)).transpose().inverse();
+  for (const PreparedRecording& recording : prepared.recordings) {
+    if (recording.entry.use != Use::kIdentification) continue;
+    const Result<StateCovariance> covariance =
+        StateCovariance::Create(recording.recording.t, prepared.preprocessing, recording.decimator);
+    if (!covariance.ok()) return covariance.status();
+    std::vector<Eigen::Matrix3d> of_joints;
+    for (const double sigma : prepared.position_noise) of_joints.push_back(sigma * sigma * covariance->decimated());
+    data.state_covariance.push_back(std::move(of_joints));
+    data.payload_of_recording.push_back(recording.entry.payload);
+    AddRecording(recording, prepared, static_cast<int>(data.payload_of_recording.size()) - 1, &data);
+  }
+  return data;
+}
+
+MatrixXd StateCovarianceOf(const BundleData& data, int recording) {
+  const int n = data.dof;
+  MatrixXd covariance = MatrixXd::Zero(3 * n, 3 * n);
+  for (int j = 0; j < n; ++j) {
+    const Eigen::Matrix3d& own = data.state_covariance[recording][j];
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) covariance(a * n + j, b * n + j) = own(a, b);
+    }
+  }
+  return covariance;
+}
+
+StateDerivatives::StateDerivatives(const BaseParameters& base, const BundleData& data)
+    : base_(base),
+      data_(data),
+      wide_(base.model().robot()),
+      along_(base.model().robot()),
+      base_column_of_link_(data.dof),
+      wide_state_(3 * data.dof),
+      wide_torque_(data.dof),
+      along_state_(3 * data.dof),
+      along_regressor_(kNumInertial * data.dof * data.dof) {
+  const int n = data.dof;
+  StandardModel model = base.model();
+  std::vector<int> base_column(model.columns(), -1);
+  for (int k = 0; k < base.size(); ++k) base_column[base.kept()[k]] = k;
+  for (int j = 0; j < n; ++j) {
+    for (int k = 0; k < kNumInertial; ++k) {
+      base_column_of_link_[j][k] = base_column[model.Find(kStandardNames[k] + std::to_string(j + 1))];
+    }
+  }
+  // The drives' columns but for the Coulomb ones are linear in dq and ddq: unit states give their derivatives.
+  RowMajorMatrix w(n, model.columns()), w0(n, model.columns());
+  const VectorXd zero = VectorXd::Zero(n);
+  model.Regressor(zero.data(), zero.data(), zero.data(), nullptr, w0.data());
+  for (int variable = n; variable < 3 * n; ++variable) {
+    VectorXd state = VectorXd::Zero(3 * n);
+    state[variable] = 1.0;
+    model.Regressor(zero.data(), state.data() + n, state.data() + 2 * n, nullptr, w.data());
+    for (int c = 0; c < model.columns(); ++c) {
+      const Parameter& parameter = model.parameters()[c];
+      const bool linear = parameter.kind == ParameterKind::kDriveInertia || parameter.name.rfind("Fv", 0) == 0;
+      if (!linear || base_column[c] < 0) continue;
+      for (int i = 0; i < n; ++i) {
+        const double value = w(i, c) - w0(i, c);
+        if (value != 0.0) drive_entries_.push_back({i, base_column[c], variable, value});
+      }
+    }
+  }
+}
+
+void StateDerivatives::Torque(const BundleSample& sample, const VectorXd& chi, MatrixXd* d) {
+  const int n = data_.dof;
+  std::vector<InertialVector> inertials(n, InertialVector::Zero());
+  for (int j = 0; j < n; ++j) {
+    for (int k = 0; k < kNumInertial; ++k) {
+      if (base_column_of_link_[j][k] >= 0) inertials[j][k] = chi[base_column_of_link_[j][k]];
+    }
+  }
+  const int payload = data_.payload_of_recording[sample.recording];
+  if (payload >= 0) {
+    inertials.back() += data_.known_payload[payload];
+    for (int k = 0; k < kNumInertial; ++k) {
+      const int column = data_.payload_columns[payload][k];
+      if (column >= 0) inertials.back()[k] += chi[column];
+    }
+  }
+  d->resize(n, 3 * n);
+  for (int first = 0; first < 3 * n; first += kWidth) {
+    const int width = std::min(kWidth, 3 * n - first);
+    for (int s = 0; s < 3 * n; ++s) {
+      wide_state_[s] = WideJet(sample.state[s]);
+      if (s >= first && s < first + width) wide_state_[s].v[s - first] = 1.0;
+    }
+    wide_.InverseDynamics(&wide_state_[0], &wide_state_[n], &wide_state_[2 * n], inertials.data(), wide_torque_.data());
+    for (int i = 0; i < n; ++i) d->row(i).segment(first, width) = wide_torque_[i].v.head(width).transpose();
+  }
+  for (const DriveEntry& entry : drive_entries_) (*d)(entry.row, entry.variable) += entry.value * chi[entry.column];
+}
+
+void StateDerivatives::Columns(const BundleSample& sample, const VectorXd& deviation, RowMajorMatrix* change) {
+  const int n = data_.dof;
+  CHECK_EQ(deviation.size(), 3 * n);
+  for (int s = 0; s < 3 * n; ++s) {
+    along_state_[s] = Jet(sample.state[s]);
+    along_state_[s].v[0] = deviation[s];
+  }
+  along_.Regressor(&along_state_[0], &along_state_[n], &along_state_[2 * n], along_regressor_.data());
+  change->setZero(n, data_.num_columns());
+  const int payload = data_.payload_of_recording[sample.recording];
+  for (int i = 0; i < n; ++i) {
+    for (int j = i; j < n; ++j) {
+      for (int k = 0; k < kNumInertial; ++k) {
+        const double value = along_regressor_[(i * n + j) * kNumInertial + k].v[0];
+        if (base_column_of_link_[j][k] >= 0) (*change)(i, base_column_of_link_[j][k]) = value;
+        if (j == n - 1 && payload >= 0 && data_.payload_columns[payload][k] >= 0) {
+          (*change)(i, data_.payload_columns[payload][k]) = value;
+        }
+      }
+    }
+  }
+  for (const DriveEntry& entry : drive_entries_) {
+    (*change)(entry.row, entry.column) += entry.value * deviation[entry.variable];
+  }
+}
+
+}  // namespace idim

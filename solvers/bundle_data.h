@@ -1,0 +1,96 @@
+// What the errors-in-variables bundle works on: decimated samples with their filtered columns, and how the torque of
+// each moves with its joint state.
+//
+// Sample k has the parallel-filtered columns Wbar_k (unknown base and payload parameters), the filtered torque of what
+// is known of the payload, the filtered signal v_k, and the decimated joint state xhat_k = (q, dq, ddq). The true state
+// deviates from xhat_k by a latent d_k; the torque there is
+//   tau_k(chi, d_k) = Wbar_k chi + known_k + D_k(chi) d_k,     D = d(tau)/d(q, dq, ddq) at xhat_k,
+// so that the columns keep the filter that the signal has passed (IDM at decimated instants against a filtered signal
+// is a model error at every reversal), and only the deviation is linearised. The Coulomb columns have no part in D: the
+// derivative of a sign is zero but at the reversal, where it is no number; what the velocity's noise does to them
+// is in their expectation already (core/dynamics/standard_model.h).
+//
+// v = diag(1/g) M^-1 tau with M = 1 (signals on the joint side) or T' (motor side).
+
+#ifndef IDIM_SOLVERS_BUNDLE_DATA_H_
+#define IDIM_SOLVERS_BUNDLE_DATA_H_
+
+#include <ceres/jet.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "core/base/status.h"
+#include "core/dynamics/rigid_body_dynamics.h"
+#include "core/observation/prepared_study.h"
+
+namespace idim {
+
+struct BundleSample {
+  int recording = 0;  // index into BundleData::payload_of_recording and ::state_covariance
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> columns;  // n x (base + payload unknowns)
+  Eigen::VectorXd known;                                                           // n [N m or N]
+  Eigen::VectorXd signal;                                                          // n [signal unit]
+  Eigen::VectorXd state;                                                           // 3n: q, dq, ddq
+};
+
+struct BundleData {
+  std::vector<Parameter> unknowns;  // gains, base parameters, unknown payload parameters
+  int dof = 0;
+  int num_base = 0;
+  std::vector<BundleSample> samples;  // recording by recording, in order of time
+  // A recording: the 3 x 3 covariance of (q, dq, ddq) of each joint, [rad, rad/s, rad/s^2]^2.
+  std::vector<std::vector<Eigen::Matrix3d>> state_covariance;
+  std::vector<int> payload_of_recording;  // index of the study's payload, -1: none
+  // A payload of the study: its known part, and the columns among the samples' of its unknown parameters (-1: known).
+  std::vector<InertialVector> known_payload;
+  std::vector<std::array<int, kNumInertial>> payload_columns;
+  Eigen::MatrixXd inverse_drive;  // M^-1, n x n
+
+  int num_unknowns() const { return static_cast<int>(unknowns.size()); }
+  int num_columns() const { return num_unknowns() - dof; }
+};
+
+// One pass over the identification recordings. BadInput: as BuildGainSystem.
+Result<BundleData> BuildBundleData(const PreparedStudy& prepared);
+
+// The covariance of the whole state vector of a sample, 3n x 3n in the order of BundleSample::state.
+Eigen::MatrixXd StateCovarianceOf(const BundleData& data, int recording);
+
+// Derivatives of the torque by the joint state. Not thread-safe: one a thread.
+class StateDerivatives {
+ public:
+  using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  StateDerivatives(const BaseParameters& base, const BundleData& data);
+
+  // D(chi) at the sample's state: n x 3n. chi: num_columns() parameters.
+  void Torque(const BundleSample& sample, const Eigen::VectorXd& chi, Eigen::MatrixXd* d);
+
+  // (dW/dx) deviation: n x num_columns(), how the columns change along a deviation (3n) of the state.
+  void Columns(const BundleSample& sample, const Eigen::VectorXd& deviation, RowMajorMatrix* change);
+
+ private:
+  static constexpr int kWidth = 6;  // directions a pass
+  using WideJet = ceres::Jet<double, kWidth>;
+  using Jet = ceres::Jet<double, 1>;
+
+  const BaseParameters& base_;
+  const BundleData& data_;
+  RigidBodyDynamics<WideJet> wide_;
+  RigidBodyDynamics<Jet> along_;
+  // d(column)/d(dq), d(column)/d(ddq) of the drives' columns, which are linear: [joint row, base column] of each.
+  struct DriveEntry {
+    int row, column, variable;  // variable: index into the state
+    double value;
+  };
+  std::vector<DriveEntry> drive_entries_;
+  std::vector<std::array<int, kNumInertial>> base_column_of_link_;  // -1: not kept
+  std::vector<WideJet> wide_state_, wide_torque_;
+  std::vector<Jet> along_state_, along_regressor_;
+};
+
+}  // namespace idim
+
+#endif  // IDIM_SOLVERS_BUNDLE_DATA_H_

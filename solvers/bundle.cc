@@ -76,8 +76,7 @@ class Problem {
     return std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
   }
 
-  // R of the rows [J | r], whitened, priors included. leverage: n, the trace of each joint's share given the inverse
-  // normal matrix `inverse` (empty: not computed).
+  // R of the rows [J | r], whitened, priors included.
   MatrixXd NormalFactor(const VectorXd& theta, const VectorXd& sigma) {
     TriangularFactor factor(data_.num_unknowns() + 1);
     RowMajorMatrix rows(data_.dof, data_.num_unknowns() + 1);

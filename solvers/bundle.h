@@ -16,7 +16,8 @@
 // in which the residual is linear: a gain of the wrong sign passes through 1/g = 0, not through the pole at g = 0.
 //
 // Weights: sigma_j^2 is what the residual's mean square leaves after the joint data's share,
-// sum_k r_kj^2 / (K - p_j) - mean (B C B')_jj, p_j the trace of joint j's share in the fit, repeated until it settles.
+// sum_k r_kj^2 / (K - c / n) - mean (B C B')_jj, repeated until it settles. The c unknowns are shared between the n
+// joints, and each joint bears an equal part of the freedom they take; its true part is not computed.
 // What the model lacks counts as noise of the signal.
 //
 // Covariance: inverse of the Schur complement; and a robust one (sandwich) for residuals correlated in time and between

@@ -20,8 +20,20 @@
 // joints, and each joint bears an equal part of the freedom they take; its true part is not computed.
 // What the model lacks counts as noise of the signal.
 //
-// Covariance: inverse of the Schur complement; and a robust one (sandwich) for residuals correlated in time and between
-// joints, with Bartlett weights over `hac_lag` samples of a recording (Newey & West 1987).
+// Converged: the gradient in units of the unknowns' standard deviations (Newton decrement), undamped, is below
+// `step_tolerance`. A rank-deficient start or minimum is reported by the names of what the data do not see.
+//
+// Robust loss (option): Huber's of the norm of a sample's whitened residual V_k^-1/2 r_k, all joints together, by
+// reweighted rows; weights and covariance are made consistent for normal residuals. Unlike solvers/ceres_bundle.h,
+// where the loss acts on the torque residual after the latent has taken its part, it bears outliers of the joint data
+// too.
+//
+// Covariance. `covariance`: inverse of the Schur complement, right where the model is true and samples are independent.
+// `robust_covariance`: A^-1 (sum of score autocovariances with Bartlett weights + priors) A^-1 N n / (N n - c), right
+// for residuals correlated in time and between joints, and of a variance that changes along the motion (Newey & West
+// 1987). The lag comes from the scores' own first autocorrelations, scaled to the parameters (Andrews 1991, AR(1),
+// Bartlett). `interval_factor` widens intervals for the lag being a share b of the samples: the critical values of
+// Kiefer & Vogelsang 2005 (Econometric Theory 21, table 1, Bartlett, 95 %) over the normal one.
 //
 // Consistent for known C (up to what linearisation leaves, of second order in the joint noise); the estimating equation
 // sum J' V^-1 r has zero mean at the truth because the noise of the columns in J and that of d_k cancel.
@@ -37,46 +49,47 @@
 #include "core/base/status.h"
 #include "core/dynamics/base_parameters.h"
 #include "solvers/bundle_data.h"
+#include "solvers/bundle_problem.h"
 
 namespace idim {
 
-struct BundlePrior {
-  int unknown = -1;
-  double value = 0.0;
-  double standard_deviation = 0.0;  // > 0
-};
-
 struct BundleOptions {
-  int max_iterations = 100;        // Levenberg-Marquardt steps between two weights, >= 1
-  double step_tolerance = 1e-6;    // converged: no unknown moves by more than this many of its standard deviations, > 0
+  int max_iterations = 100;        // Levenberg-Marquardt steps in all, >= 1
+  double step_tolerance = 1e-6;    // converged: the minimum is nearer than this many standard deviations, > 0
   int max_weight_iterations = 20;  // >= 0; 0 keeps `signal_sigma`
   double weight_tolerance = 1e-4;  // settled: no sigma changes by more than this fraction, > 0
   Eigen::VectorXd signal_sigma;    // n [signal unit] to start from; empty: from the residual of the start
   std::vector<BundlePrior> priors;
-  int hac_lag = -1;  // >= 0, or -1: 4 (K / 100)^(2/9) of the shortest recording (Newey & West 1994)
+  double huber_threshold = 0.0;   // in standard deviations: of the norm, divided by sqrt(n); 0: no loss
+  int hac_lag = -1;               // >= 0, or -1: chosen from the scores
+  double rank_tolerance = 1e-10;  // as GainOptions::rank_tolerance, of the whitened rows
 
   bool IsValid(std::string* error) const;
 };
 
 struct BundleSummary {
+  // Untrusted: a gain of zero to start from, directions that the data do not see, no convergence, weights that do not
+  // settle.
   Status status = Status::Untrusted("SolveBundle was not called");
   BundleOptions given;
 
   Eigen::VectorXd values;                         // of BundleData::unknowns
-  Eigen::MatrixXd covariance;                     // Schur complement
-  Eigen::MatrixXd robust_covariance;              // sandwich
+  Eigen::MatrixXd covariance;                     // Schur complement; empty where rank deficient
+  Eigen::MatrixXd robust_covariance;              // sandwich; likewise
+  double interval_factor = -1.0;                  // >= 1, for intervals from robust_covariance
   Eigen::VectorXd signal_sigma;                   // n [signal unit]
-  double initial_cost = -1.0, final_cost = -1.0;  // sum r' V^-1 r + priors, each with its own weights
+  double initial_cost = -1.0, final_cost = -1.0;  // sum r' V^-1 r + priors (of rho with a loss), each with its weights
   int iterations = -1, weight_iterations = -1;
-  double largest_step = -1.0;  // of the last iteration, in standard deviations
+  double decrement = -1.0;  // distance to the minimum of the last quadratic model, in standard deviations
   bool converged = false;
   double degrees_of_freedom = -1.0;
   int hac_lag = -1;
+  double condition_number = -1.0;  // of the whitened Jacobian, columns scaled to unit norm
 
   bool IsSolutionUsable() const { return status.ok(); }
 };
 
-// start: values of the unknowns, no gain zero. options valid (CHECK).
+// start: values of the unknowns, no gain zero. options valid and sizes that fit `data` (CHECK).
 BundleSummary SolveBundle(const BaseParameters& base, const BundleData& data, const Eigen::VectorXd& start,
                           const BundleOptions& options = BundleOptions());
 

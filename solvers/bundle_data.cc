@@ -49,15 +49,19 @@ void AddRecording(const PreparedRecording& recording, const PreparedStudy& prepa
 
 Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
   const Study& study = prepared.study;
-  if (Status status = CheckGainStudy(study); !status.ok()) return status;
   BundleData data;
   data.dof = study.robot.dof();
   data.num_base = prepared.base.size();
-  data.unknowns = GainParameters(data.dof);
+  if (study.gains_mode == GainsMode::kIdentify) {
+    if (Status status = CheckGainStudy(study); !status.ok()) return status;
+    data.unknowns = GainParameters(data.dof);
+  } else {
+    data.known_gains = study.gains;
+  }
   data.unknowns.insert(data.unknowns.end(), prepared.base.parameters().begin(), prepared.base.parameters().end());
   data.payload_columns = AppendPayloadUnknowns(study, &data.unknowns);
   for (auto& columns : data.payload_columns) {
-    for (int& column : columns) column -= column >= 0 ? data.dof : 0;
+    for (int& column : columns) column -= column >= 0 ? data.num_gains() : 0;
   }
   for (int p = 0; p < static_cast<int>(study.payloads.size()); ++p)
     data.known_payload.push_back(KnownPayload(study, p));

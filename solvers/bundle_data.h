@@ -36,7 +36,7 @@ struct BundleSample {
 };
 
 struct BundleData {
-  std::vector<Parameter> unknowns;  // gains, base parameters, unknown payload parameters
+  std::vector<Parameter> unknowns;  // gains (unless they are known), base parameters, unknown payload parameters
   int dof = 0;
   int num_base = 0;
   std::vector<BundleSample> samples;  // recording by recording, in order of time
@@ -47,12 +47,19 @@ struct BundleData {
   std::vector<InertialVector> known_payload;
   std::vector<std::array<int, kNumInertial>> payload_columns;
   Eigen::MatrixXd inverse_drive;  // M^-1, n x n
+  Eigen::VectorXd known_gains;    // n, or empty: gains are unknown
 
   int num_unknowns() const { return static_cast<int>(unknowns.size()); }
-  int num_columns() const { return num_unknowns() - dof; }
+  int num_gains() const { return known_gains.size() > 0 ? 0 : dof; }  // unknown ones
+  int num_columns() const { return num_unknowns() - num_gains(); }
+  // All gains, of the unknowns theta or known. n [N m or N per signal unit].
+  Eigen::VectorXd Gains(const Eigen::VectorXd& theta) const {
+    return known_gains.size() > 0 ? known_gains : Eigen::VectorXd(theta.head(dof));
+  }
 };
 
-// One pass over the identification recordings. BadInput: as BuildGainSystem.
+// One pass over the identification recordings, of a study with known or with unknown gains. BadInput: as
+// BuildGainSystem where gains are unknown.
 Result<BundleData> BuildBundleData(const PreparedStudy& prepared);
 
 // The covariance of the whole state vector of a sample, 3n x 3n in the order of BundleSample::state.

@@ -81,6 +81,7 @@ CeresBundleSummary SolveCeresBundle(const BaseParameters& base, const BundleData
   CHECK(options.IsValid(&error)) << error;
   CHECK_EQ(start.size(), data.num_unknowns());
   CHECK_EQ(options.signal_sigma.size(), data.dof);
+  CHECK_GT(data.num_gains(), 0) << "the explicit form has no known gains";
   CeresBundleSummary summary;
   summary.given = options;
   if (!(start.head(data.dof).cwiseAbs().minCoeff() > 0.0) || !start.allFinite()) {

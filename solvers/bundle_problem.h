@@ -1,0 +1,89 @@
+// The rows of the errors-in-variables bundle with its latents eliminated: one pass over the samples gives its cost, the
+// triangular factor of its Gauss-Newton step and what the weights need. Symbols: solvers/bundle.h.
+
+#ifndef IDIM_SOLVERS_BUNDLE_PROBLEM_H_
+#define IDIM_SOLVERS_BUNDLE_PROBLEM_H_
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <limits>
+#include <vector>
+
+#include "core/dynamics/base_parameters.h"
+#include "solvers/bundle_data.h"
+
+namespace idim {
+
+// theta_unknown = value, give or take a standard deviation: a weighed mass, CAD data, a priori gains.
+struct BundlePrior {
+  int unknown = -1;
+  double value = 0.0;
+  double standard_deviation = 0.0;  // > 0
+};
+
+// Huber's loss of s = r' V^-1 r, the squared norm of a sample's whitened residual: s up to threshold^2, beyond it
+// 2 threshold sqrt(s) - threshold^2. 0: no loss.
+struct HuberNorm {
+  double threshold = 0.0;
+
+  double Cost(double s) const;
+  double Weight(double s) const;  // derivative of Cost
+  // E[Weight(s) s] / n for s chi-square with n degrees: what down-weighting takes of normal residuals' squares.
+  double Consistency(int n) const;
+  // E[Weight(s)^2 s] / E[Weight(s) s]: by what the inverse curvature is to be multiplied for a covariance (the curvature
+  // is Consistency(n) times that of squares, by Stein's identity).
+  double VarianceFactor(int n) const;
+};
+
+class BundleProblem {
+ public:
+  using RowMajorMatrix = StateDerivatives::RowMajorMatrix;
+
+  // All must outlive the problem.
+  BundleProblem(const BaseParameters& base, const BundleData& data, const std::vector<BundlePrior>& priors,
+                HuberNorm loss);
+
+  struct Evaluation {
+    double cost = std::numeric_limits<double>::infinity();
+    // (c + 1) x (c + 1), upper triangular: R'R = sum w [J r]' V^-1 [J r] + priors.
+    Eigen::MatrixXd r;
+    Eigen::VectorXd squares;  // n, sum w r_j^2
+    Eigen::VectorXd spread;   // n, sum (B C B')_jj
+  };
+  // sigma: n standard deviations of the signals. Cost infinite, and the rest without meaning, where it overflows.
+  Evaluation Evaluate(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
+
+  // What the residual's mean square leaves after the joint data's share: the next standard deviations.
+  Eigen::VectorXd NextSigma(const Evaluation& at) const;
+
+  // Scores w J' V^-1 r of the samples, samples x c, and R of their derivative: as Evaluation::r without its last
+  // column, but that Huber's loss no longer pulls along a residual beyond its threshold.
+  struct Sensitivity {
+    Eigen::MatrixXd scores;
+    Eigen::MatrixXd curvature;
+  };
+  Sensitivity Scores(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
+
+  int num_gains() const { return data_.num_gains(); }
+
+ private:
+  // The whitened rows V^-1/2 [J | r] of one sample into rows_; returns r' V^-1 r.
+  double Whiten(const BundleSample& sample, const Eigen::VectorXd& gains, const Eigen::VectorXd& chi,
+                const Eigen::VectorXd& variance);
+  void AddPriors(const Eigen::VectorXd& theta, class TriangularFactor* factor) const;
+
+  const BundleData& data_;
+  const std::vector<BundlePrior>& priors_;
+  HuberNorm loss_;
+  StateDerivatives derivatives_;
+  std::vector<Eigen::MatrixXd> covariance_;  // 3n x 3n of each recording
+  // Of the last sample.
+  Eigen::VectorXd residual_, torque_, inverse_gains_, spread_, half_, weighted_, deviation_;
+  Eigen::MatrixXd d_, b_, cb_, v_;
+  RowMajorMatrix change_, rows_;
+  Eigen::LLT<Eigen::MatrixXd> llt_;
+};
+
+}  // namespace idim
+
+#endif  // IDIM_SOLVERS_BUNDLE_PROBLEM_H_

@@ -12,9 +12,13 @@
 #include "core/estimate/reference.h"
 #include "solvers/estimators.h"
 
-DEFINE_string(estimator, "wls",
-              "ls | wls: least squares, rows as they are or weighted per joint; where the study identifies gains also "
-              "tls | wtls: total least squares, gtls | wgtls: total least squares scaled by the noise of each column");
+DEFINE_string(estimator, "eiv",
+              "eiv: errors in variables, maximum likelihood; ls | wls: least squares, rows as they are or weighted per "
+              "joint; where the study identifies gains also tls | wtls: total least squares, gtls | wgtls: total least "
+              "squares scaled by the noise of each column");
+DEFINE_double(huber, 0.0,
+              "eiv: samples whose residual is beyond this many standard deviations count less (Huber's loss; 2 is "
+              "usual); 0: all count alike");
 DEFINE_string(output, "", "Directory for estimate.json, residuals.csv and report.html");
 DEFINE_double(
     r_sigma, 0.0,
@@ -35,10 +39,10 @@ Status Run(const std::string& study_path) {
   idim::Progress progress;
   const idim::Result<idim::PreparedStudy> prepared = idim::PrepareStudy(*study);
   if (!prepared.ok()) return prepared.status();
-  progress.At("observation matrix");
+  progress.At("observation matrix, " + FLAGS_estimator);
   const idim::Result<idim::EstimatorRunner> runner = idim::EstimatorRunner::Create(&*prepared);
   if (!runner.ok()) return runner.status();
-  idim::Result<idim::Identification> identification = runner->Run(FLAGS_estimator, FLAGS_r_sigma);
+  idim::Result<idim::Identification> identification = runner->Run(FLAGS_estimator, FLAGS_r_sigma, FLAGS_huber);
   if (!identification.ok()) return identification.status();
 
   progress.At("report");

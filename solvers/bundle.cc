@@ -253,6 +253,7 @@ BundleSummary SolveBundle(const BaseParameters& base, const BundleData& data, co
   summary.converged = Minimize(&problem, options.step_tolerance, options.max_iterations, &iterate, &summary);
   summary.values = iterate.theta;
   summary.signal_sigma = iterate.sigma;
+  summary.deviance = iterate.at.cost + iterate.at.log_determinants;
   summary.status = diagnose();
   if (!summary.status.ok()) return summary;
   summary.condition_number =

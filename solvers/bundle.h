@@ -43,6 +43,7 @@
 #define IDIM_SOLVERS_BUNDLE_H_
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,7 @@ struct BundleSummary {
   double interval_factor = -1.0;                  // >= 1, for intervals from robust_covariance
   Eigen::VectorXd signal_sigma;                   // n [signal unit]
   double initial_cost = -1.0, final_cost = -1.0;  // sum r' V^-1 r + priors (of rho with a loss), each with its weights
+  double deviance = std::numeric_limits<double>::infinity();  // final cost + sum log |V|: -2 log L but for a constant
   int iterations = -1, weight_iterations = -1;
   double decrement = -1.0;  // distance to the minimum of the last quadratic model, in standard deviations
   bool converged = false;

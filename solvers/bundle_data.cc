@@ -3,10 +3,12 @@
 #include <glog/logging.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "core/base/text.h"
 #include "core/observation/observation_stream.h"
 #include "core/signal/state_covariance.h"
 #include "solvers/gain_system.h"
@@ -48,12 +50,12 @@ void AddRecording(const PreparedRecording& recording, const PreparedStudy& prepa
 }  // namespace
 
 Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
-  const Study& study = prepared.study;
+  const Study study = ReleaseUncertain(prepared.study);
   BundleData data;
   data.dof = study.robot.dof();
   data.num_base = prepared.base.size();
   if (study.gains_mode == GainsMode::kIdentify) {
-    if (Status status = CheckGainStudy(study); !status.ok()) return status;
+    if (Status status = CheckGainStudy(prepared.study); !status.ok()) return status;
     data.unknowns = GainParameters(data.dof);
   } else {
     data.known_gains = study.gains;
@@ -77,6 +79,25 @@ Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
     data.state_covariance.push_back(std::move(of_joints));
     data.payload_of_recording.push_back(recording.entry.payload);
     AddRecording(recording, prepared, static_cast<int>(data.payload_of_recording.size()) - 1, &data);
+  }
+  for (size_t p = 0; p < data.payload_columns.size(); ++p) {
+    for (int k = 0; k < kNumInertial; ++k) {
+      const Payload& payload = prepared.study.payloads[p];
+      if (data.payload_columns[p][k] < 0 || !payload.standard_deviation[k]) continue;
+      data.priors.push_back(
+          {data.num_gains() + data.payload_columns[p][k], *payload.known[k], *payload.standard_deviation[k]});
+    }
+  }
+  for (const Prior& prior : study.priors) {
+    const auto found = std::find_if(data.unknowns.begin(), data.unknowns.end(),
+                                    [&](const Parameter& unknown) { return unknown.name == prior.parameter; });
+    if (found == data.unknowns.end()) {
+      std::vector<std::string> names;
+      for (const Parameter& unknown : data.unknowns) names.push_back(unknown.name);
+      return Status::BadInput(prior.where + ": '" + prior.parameter +
+                              "' is not identified by this study; expected one of " + Join(names, " "));
+    }
+    data.priors.push_back({static_cast<int>(found - data.unknowns.begin()), prior.value, prior.standard_deviation});
   }
   return data;
 }

@@ -27,6 +27,13 @@
 
 namespace idim {
 
+// theta_unknown = value, give or take a standard deviation: a weighed mass, CAD data, a priori gains.
+struct BundlePrior {
+  int unknown = -1;
+  double value = 0.0;
+  double standard_deviation = 0.0;  // > 0
+};
+
 struct BundleSample {
   int recording = 0;  // index into BundleData::payload_of_recording and ::state_covariance
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> columns;  // n x (base + payload unknowns)
@@ -46,8 +53,9 @@ struct BundleData {
   // A payload of the study: its known part, and the columns among the samples' of its unknown parameters (-1: known).
   std::vector<InertialVector> known_payload;
   std::vector<std::array<int, kNumInertial>> payload_columns;
-  Eigen::MatrixXd inverse_drive;  // M^-1, n x n
-  Eigen::VectorXd known_gains;    // n, or empty: gains are unknown
+  Eigen::MatrixXd inverse_drive;    // M^-1, n x n
+  Eigen::VectorXd known_gains;      // n, or empty: gains are unknown
+  std::vector<BundlePrior> priors;  // of the study, for BundleOptions::priors
 
   int num_unknowns() const { return static_cast<int>(unknowns.size()); }
   int num_gains() const { return known_gains.size() > 0 ? 0 : dof; }  // unknown ones
@@ -59,7 +67,7 @@ struct BundleData {
 };
 
 // One pass over the identification recordings, of a study with known or with unknown gains. BadInput: as
-// BuildGainSystem where gains are unknown.
+// BuildGainSystem where gains are unknown; a prior on a parameter that is not among the unknowns.
 Result<BundleData> BuildBundleData(const PreparedStudy& prepared);
 
 // The covariance of the whole state vector of a sample, 3n x 3n in the order of BundleSample::state.

@@ -101,6 +101,7 @@ BundleProblem::Evaluation BundleProblem::Evaluate(const VectorXd& theta, const V
     cost += loss_.Cost(s);
     result.squares += weight * residual_.cwiseAbs2();
     result.spread += spread_;
+    result.log_determinants += 2.0 * llt_.matrixLLT().diagonal().array().log().sum();
     if (weight != 1.0) rows_ *= std::sqrt(weight);
     factor.AddRows(rows_);
   }

@@ -14,13 +14,6 @@
 
 namespace idim {
 
-// theta_unknown = value, give or take a standard deviation: a weighed mass, CAD data, a priori gains.
-struct BundlePrior {
-  int unknown = -1;
-  double value = 0.0;
-  double standard_deviation = 0.0;  // > 0
-};
-
 // Huber's loss of s = r' V^-1 r, the squared norm of a sample's whitened residual: s up to threshold^2, beyond it
 // 2 threshold sqrt(s) - threshold^2. 0: no loss.
 struct HuberNorm {
@@ -30,8 +23,8 @@ struct HuberNorm {
   double Weight(double s) const;  // derivative of Cost
   // E[Weight(s) s] / n for s chi-square with n degrees: what down-weighting takes of normal residuals' squares.
   double Consistency(int n) const;
-  // E[Weight(s)^2 s] / E[Weight(s) s]: by what the inverse curvature is to be multiplied for a covariance (the curvature
-  // is Consistency(n) times that of squares, by Stein's identity).
+  // E[Weight(s)^2 s] / E[Weight(s) s]: by what the inverse curvature is to be multiplied for a covariance (the
+  // curvature is Consistency(n) times that of squares, by Stein's identity).
   double VarianceFactor(int n) const;
 };
 
@@ -47,8 +40,9 @@ class BundleProblem {
     double cost = std::numeric_limits<double>::infinity();
     // (c + 1) x (c + 1), upper triangular: R'R = sum w [J r]' V^-1 [J r] + priors.
     Eigen::MatrixXd r;
-    Eigen::VectorXd squares;  // n, sum w r_j^2
-    Eigen::VectorXd spread;   // n, sum (B C B')_jj
+    Eigen::VectorXd squares;        // n, sum w r_j^2
+    Eigen::VectorXd spread;         // n, sum (B C B')_jj
+    double log_determinants = 0.0;  // sum log |V|
   };
   // sigma: n standard deviations of the signals. Cost infinite, and the rest without meaning, where it overflows.
   Evaluation Evaluate(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);

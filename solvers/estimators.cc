@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "solvers/eiv_identification.h"
 #include "solvers/exogeneity.h"
 #include "solvers/sequential_gains.h"
 
@@ -17,9 +18,10 @@ constexpr GainEstimator kGainEstimators[] = {GainEstimator::kLs,   GainEstimator
 }  // namespace
 
 std::vector<std::string> EstimatorNames(GainsMode gains_mode) {
-  if (gains_mode == GainsMode::kKnown) return {"ls", "wls"};
+  if (gains_mode == GainsMode::kKnown) return {"ls", "wls", "eiv"};
   std::vector<std::string> names;
   for (const GainEstimator estimator : kGainEstimators) names.emplace_back(GainEstimatorName(estimator));
+  names.emplace_back("eiv");
   return names;
 }
 
@@ -33,7 +35,7 @@ Result<EstimatorRunner> EstimatorRunner::Create(const PreparedStudy* prepared) {
   return runner;
 }
 
-Result<Identification> EstimatorRunner::Run(const std::string& estimator, double essential_ratio) const {
+Result<Identification> EstimatorRunner::Run(const std::string& estimator, double essential_ratio, double huber) const {
   const GainsMode mode = prepared_->study.gains_mode;
   const std::vector<std::string> names = EstimatorNames(mode);
   if (std::find(names.begin(), names.end(), estimator) == names.end()) {
@@ -42,6 +44,14 @@ Result<Identification> EstimatorRunner::Run(const std::string& estimator, double
                             prepared_->study.path + "); expected one of " + Join(names, ", "));
   }
   std::string error;
+  if (estimator == "eiv") {
+    EivOptions options;
+    options.essential_ratio = essential_ratio;
+    options.huber_threshold = huber;
+    if (!options.IsValid(&error)) return Status::BadInput("--r_sigma, --huber: " + error);
+    return IdentifyEiv(*prepared_, gain_system_ ? &*gain_system_ : nullptr, options);
+  }
+  if (huber != 0.0) return Status::BadInput("--huber: only eiv has a robust loss; expected 0 with " + estimator);
   if (mode == GainsMode::kKnown) {
     LinearOptions options;
     options.weighted = estimator == "wls";

@@ -13,7 +13,7 @@
 
 namespace idim {
 
-// What can be run on a study: ls wls with known gains; ls wls tls wtls gtls wgtls where gains are identified.
+// What can be run on a study: ls wls eiv with known gains; ls wls tls wtls gtls wgtls eiv where gains are identified.
 std::vector<std::string> EstimatorNames(GainsMode gains_mode);
 
 // A prepared study with what its estimators share: where gains are identified, one pass over the data, however many of
@@ -23,8 +23,9 @@ class EstimatorRunner {
   // BadInput: as BuildGainSystem. The prepared study must outlive the runner.
   static Result<EstimatorRunner> Create(const PreparedStudy* prepared);
 
-  // essential_ratio: r_sigma, 0 keeps all parameters. BadInput: no such estimator for this study, bad r_sigma.
-  Result<Identification> Run(const std::string& estimator, double essential_ratio) const;
+  // essential_ratio: r_sigma, 0 keeps all parameters; huber: threshold of eiv's robust loss, 0 for none. BadInput: no
+  // such estimator for this study, bad r_sigma, a loss that is negative or for a closed form, as the estimators say.
+  Result<Identification> Run(const std::string& estimator, double essential_ratio, double huber = 0.0) const;
 
   // Where gains are identified, else nothing: the baseline that finds them one joint at a time (gains only).
   std::optional<Estimate> RunSequential() const;

@@ -5,15 +5,14 @@
 #include <utility>
 
 #include "core/observation/observation_stream.h"
+#include "solvers/assemble_estimate.h"
 #include "solvers/payload_unknowns.h"
-#include "solvers/prediction.h"
 
 namespace idim {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using PayloadColumns = std::vector<std::array<int, kNumInertial>>;
 
 void AddRecording(const PreparedStudy& prepared, const PreparedRecording& recording, const PayloadColumns& columns,
                   LinearSystem* system) {
@@ -60,92 +59,6 @@ MatrixXd APrioriColumnNoise(const Study& study, size_t columns) {
   return noise;
 }
 
-Status CheckValidationPayloads(const Study& study) {
-  for (const RecordingEntry& entry : study.recordings) {
-    if (entry.use == Use::kIdentification || entry.payload < 0) continue;
-    bool carried = false, known = true;
-    for (const RecordingEntry& other : study.recordings) {
-      carried |= other.use == Use::kIdentification && other.payload == entry.payload;
-    }
-    for (const auto& value : study.payloads[entry.payload].known) known &= value.has_value();
-    if (carried || known) continue;
-    return Status::BadInput(study.path + ": recording '" + entry.name + "' is for validation and carries payload '" +
-                            study.payloads[entry.payload].name +
-                            "', whose unknown parameters no identification recording can tell; expected an "
-                            "identification recording with it, or all ten parameters known");
-  }
-  return Status::Ok();
-}
-
-Estimate Begin(const PreparedStudy& prepared, const Status& status, const std::string& estimator) {
-  Estimate estimate;
-  estimate.status = status;
-  estimate.robot = prepared.study.robot.name;
-  estimate.estimator = estimator;
-  estimate.without_effect = prepared.base.without_effect();
-  estimate.position_noise = prepared.position_noise;
-  estimate.cutoff_hz = prepared.preprocessing.cutoff_hz;
-  estimate.decimation = prepared.preprocessing.decimation;
-  estimate.preprocessing = prepared.preprocessing.reason;
-  return estimate;
-}
-
-// Parameters with their intervals, the eliminated ones left out.
-void SetParameters(const PreparedStudy& prepared, const std::vector<Parameter>& unknowns, const VectorXd& values,
-                   const MatrixXd& covariance, double degrees_of_freedom, int first_base,
-                   const std::vector<std::string>& eliminated, Estimate* estimate) {
-  std::vector<int> kept;
-  for (int k = 0; k < static_cast<int>(unknowns.size()); ++k) {
-    if (std::find(eliminated.begin(), eliminated.end(), unknowns[k].name) != eliminated.end()) continue;
-    ParameterEstimate p;
-    p.parameter = unknowns[k];
-    p.value = values[k];
-    p.standard_deviation = std::sqrt(covariance(k, k));
-    SetInterval95(degrees_of_freedom, &p);
-    const int base = k - first_base;
-    if (base >= 0 && base < prepared.base.size()) p.regrouping = prepared.base.regroupings()[base];
-    estimate->parameters.push_back(p);
-    kept.push_back(k);
-  }
-  estimate->covariance.resize(kept.size(), kept.size());
-  for (size_t a = 0; a < kept.size(); ++a) {
-    for (size_t b = 0; b < kept.size(); ++b) estimate->covariance(a, b) = covariance(kept[a], kept[b]);
-  }
-}
-
-// `values` from `first_base` on: base parameters, then the unknown ones of the payloads in `columns`.
-void PredictAll(const PreparedStudy& prepared, const VectorXd& gains, const VectorXd& values, int first_base,
-                const PayloadColumns& columns, Identification* result) {
-  const Study& study = prepared.study;
-  ArmParameters arm;
-  arm.gains = gains;
-  arm.chi = values.segment(first_base, prepared.base.size());
-  for (int p = 0; p < static_cast<int>(study.payloads.size()); ++p) {
-    InertialVector body = KnownPayload(study, p);
-    for (int k = 0; k < kNumInertial; ++k) {
-      if (columns[p][k] >= 0) body[k] = values[columns[p][k]];
-    }
-    arm.payloads.push_back(body);
-  }
-  for (const PreparedRecording& recording : prepared.recordings) {
-    result->series.push_back(Predict(prepared, recording, arm));
-    result->estimate.recordings.push_back(FitOf(result->series.back()));
-  }
-  result->estimate.relative_error_percent = RelativeErrorPercent(result->series);
-  result->estimate.signal_noise = SignalDeviation(study, gains, result->series);
-}
-
-GainDiagnosis Describe(const GainVerdict& verdict) {
-  static constexpr const char* kStrength[] = {"strong", "weak", "none"};
-  return {verdict.name,
-          kStrength[static_cast<int>(verdict.strength)],
-          verdict.independent,
-          verdict.known_share,
-          verdict.payload_torque_share,
-          verdict.payload_gravity_share,
-          verdict.sentence};
-}
-
 }  // namespace
 
 Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const LinearOptions& options) {
@@ -168,14 +81,14 @@ Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const Linea
 
   Identification result;
   Estimate& estimate = result.estimate;
-  estimate = Begin(prepared, summary.status, options.weighted ? "wls" : "ls");
+  estimate = BeginEstimate(prepared, summary.status, options.weighted ? "wls" : "ls");
   if (!summary.IsSolutionUsable()) return result;
   SetParameters(prepared, unknowns, summary.values, summary.covariance, static_cast<double>(summary.degrees_of_freedom),
                 0, summary.eliminated, &estimate);
   estimate.eliminated = summary.eliminated;
   estimate.condition_number = summary.condition_number;
   estimate.condition_number_weighted = summary.condition_number_solved;
-  PredictAll(prepared, study.gains, summary.values, 0, columns, &result);
+  PredictAll(prepared, study, study.gains, summary.values, 0, columns, &result);
   return result;
 }
 
@@ -193,8 +106,8 @@ Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSy
 
   Identification result;
   Estimate& estimate = result.estimate;
-  estimate = Begin(prepared, summary.status, GainEstimatorName(options.estimator));
-  for (const GainVerdict& verdict : summary.verdicts) estimate.gain_diagnoses.push_back(Describe(verdict));
+  estimate = BeginEstimate(prepared, summary.status, GainEstimatorName(options.estimator));
+  for (const GainVerdict& verdict : summary.verdicts) estimate.gain_diagnoses.push_back(DescribeGain(verdict));
   estimate.singular_values = summary.singular_values;
   if (summary.values.size() == 0) return result;
   SetParameters(prepared, unknowns, summary.values, summary.covariance, static_cast<double>(summary.degrees_of_freedom),
@@ -202,7 +115,7 @@ Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSy
   estimate.eliminated = summary.eliminated;
   estimate.condition_number = summary.condition_number;
   estimate.condition_number_weighted = summary.condition_number_solved;
-  PredictAll(prepared, summary.values.head(n), summary.values, n, columns, &result);
+  PredictAll(prepared, study, summary.values.head(n), summary.values, n, columns, &result);
   return result;
 }
 

@@ -27,6 +27,16 @@ std::vector<std::array<int, kNumInertial>> AppendPayloadUnknowns(const Study& st
   return payload_columns;
 }
 
+Study ReleaseUncertain(const Study& study) {
+  Study released = study;
+  for (Payload& payload : released.payloads) {
+    for (int k = 0; k < kNumInertial; ++k) {
+      if (payload.standard_deviation[k]) payload.known[k].reset();
+    }
+  }
+  return released;
+}
+
 InertialVector KnownPayload(const Study& study, int payload) {
   InertialVector known = InertialVector::Zero();
   for (int k = 0; payload >= 0 && k < kNumInertial; ++k) known[k] = study.payloads[payload].known[k].value_or(0.0);

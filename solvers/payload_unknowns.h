@@ -17,6 +17,9 @@ namespace idim {
 // study the columns of its ten parameters, -1 where known or not carried.
 std::vector<std::array<int, kNumInertial>> AppendPayloadUnknowns(const Study& study, std::vector<Parameter>* unknowns);
 
+// The study with what it knows of payloads to a standard deviation only set free.
+Study ReleaseUncertain(const Study& study);
+
 // The known part of a payload of the study, zero where unknown and for payload -1.
 InertialVector KnownPayload(const Study& study, int payload);
 

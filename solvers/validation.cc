@@ -64,7 +64,8 @@ std::optional<MassEstimate> EstimateMass(const PreparedStudy& prepared, const Pr
                      prepared.position_noise, prepared.velocity_sigma, {}};
   both.study.gains_mode = GainsMode::kKnown;
   both.study.gains = gains;
-  both.study.payloads = {Payload{"payload", {}}};
+  both.study.payloads.assign(1, Payload());
+  both.study.payloads[0].name = "payload";
   for (const PreparedRecording& r : prepared.recordings) {
     if (r.entry.use == Use::kIdentification && r.entry.payload < 0) both.recordings.push_back(r);
   }

@@ -40,8 +40,8 @@ double ParameterEstimate::RelativeSigmaPercent() const {
   return value == 0.0 ? std::numeric_limits<double>::infinity() : 100.0 * standard_deviation / std::abs(value);
 }
 
-void SetInterval95(double degrees_of_freedom, ParameterEstimate* estimate) {
-  const double t = boost::math::quantile(boost::math::students_t(degrees_of_freedom), 0.975);
+void SetInterval95(double degrees_of_freedom, ParameterEstimate* estimate, double factor) {
+  const double t = factor * boost::math::quantile(boost::math::students_t(degrees_of_freedom), 0.975);
   estimate->interval95[0] = estimate->value - t * estimate->standard_deviation;
   estimate->interval95[1] = estimate->value + t * estimate->standard_deviation;
 }
@@ -64,11 +64,17 @@ nlohmann::ordered_json EstimateJson(const Estimate& e) {
                                   {"interval95", {p.interval95[0], p.interval95[1]}},
                                   {"unit", p.parameter.unit},
                                   {"regrouping", p.regrouping}});
+    if (p.model_standard_deviation >= 0.0) {
+      json["parameters"].back()["model_standard_deviation"] = p.model_standard_deviation;
+    }
   }
   json["covariance"] = ToJson(e.covariance);
   json["eliminated"] = e.eliminated;
   json["without_effect"] = e.without_effect;
   json["noise"] = {{"position", ToJson(e.position_noise)}, {"signal", ToJson(e.signal_noise)}};
+  if (e.signal_noise_decimated.size() > 0) json["noise"]["signal_decimated"] = ToJson(e.signal_noise_decimated);
+  if (!e.uncertainty.empty()) json["uncertainty"] = e.uncertainty;
+  if (!e.start.empty()) json["start"] = e.start;
   json["preprocessing"] = {{"cutoff_hz", e.cutoff_hz}, {"decimation", e.decimation}, {"reason", e.preprocessing}};
   json["recordings"] = Json::array();
   for (const RecordingFit& r : e.recordings) {
@@ -90,6 +96,7 @@ nlohmann::ordered_json EstimateJson(const Estimate& e) {
       json["gain_diagnoses"].push_back({{"name", g.name},
                                         {"strength", g.strength},
                                         {"independent", g.independent},
+                                        {"reliability", g.reliability},
                                         {"known_share", g.known_share},
                                         {"payload_torque_share", g.payload_torque_share},
                                         {"payload_gravity_share", g.payload_gravity_share},
@@ -110,7 +117,10 @@ std::string EstimatorTitle(const std::string& estimator) {
 }
 
 std::string EstimateToText(const Estimate& e) {
-  std::string text = e.robot + ", " + EstimatorTitle(e.estimator) + "\n" + e.preprocessing + "\n\n";
+  std::string text = e.robot + ", " + EstimatorTitle(e.estimator) + "\n" + e.preprocessing + "\n";
+  if (!e.start.empty()) text += e.start + "\n";
+  if (!e.uncertainty.empty()) text += e.uncertainty + "\n";
+  text += "\n";
   if (!e.status.ok()) text += "NOT TO BE TRUSTED: " + e.status.message() + "\n\n";
   text += "parameter      value       %std    95 % interval             unit\n";
   for (const ParameterEstimate& p : e.parameters) {

@@ -16,7 +16,8 @@ struct ParameterEstimate {
   Parameter parameter;
   double value = 0.0;
   double standard_deviation = 0.0;
-  double interval95[2] = {0.0, 0.0};  // by Student's t with the residual's degrees of freedom
+  double interval95[2] = {0.0, 0.0};       // by Student's t with the residual's degrees of freedom
+  double model_standard_deviation = -1.0;  // where standard_deviation is a robust one: that of independent samples
   std::string regrouping;
 
   // Eq. (11); inf where the value is zero.
@@ -40,6 +41,7 @@ struct RecordingFit {
 struct GainDiagnosis {
   std::string name;
   std::string strength;                // "strong", "weak" or "none"
+  double reliability = 0.0;            // of the power that only this gain can explain, the share that is signal
   double independent = 0.0;            // of its column, what no other unknown can imitate, in [0, 1]
   double known_share = 0.0;            // of that, the share that the known payload explains, in [0, 1]
   double payload_torque_share = 0.0;   // |known payload's torque| / |torque| on its joint, loaded recordings
@@ -57,6 +59,7 @@ struct Estimate {
   std::vector<std::string> without_effect;    // standard parameters that no torque depends on
   Eigen::VectorXd position_noise;             // [rad or m] a sample, joint side
   Eigen::VectorXd signal_noise;               // [signal unit] a sample
+  Eigen::VectorXd signal_noise_decimated;     // [signal unit] what the bundle weighs decimated signals by, or empty
   std::vector<GainDiagnosis> gain_diagnoses;  // where gains are identified
   Eigen::VectorXd singular_values;            // of W_tot, decreasing; total least squares only
   std::vector<RecordingFit> recordings;
@@ -65,6 +68,8 @@ struct Estimate {
   double relative_error_percent = -1.0;  // of all identification recordings together, the paper's |rho| / |Y|
   double cutoff_hz = 0.0;
   int decimation = 0;
+  std::string uncertainty;    // what the standard deviations assume, a sentence; empty: white residuals
+  std::string start;          // of an iterative estimator: where from, and how it ended
   std::string preprocessing;  // how the cut-off and the decimation were chosen
   double seconds = 0.0;
 };
@@ -78,8 +83,8 @@ std::string EstimatorTitle(const std::string& estimator);
 // The text of the console: the paper's Table I with intervals, then the errors a recording.
 std::string EstimateToText(const Estimate& estimate);
 
-// value +- t(0.975, degrees_of_freedom) * standard deviation.
-void SetInterval95(double degrees_of_freedom, ParameterEstimate* estimate);
+// value +- factor * t(0.975, degrees_of_freedom) * standard deviation.
+void SetInterval95(double degrees_of_freedom, ParameterEstimate* estimate, double factor = 1.0);
 
 }  // namespace idim
 

@@ -23,6 +23,8 @@ Section Summary(const Estimate& e) {
                    {"condition number of W", Format("%.0f", e.condition_number)},
                    {"of the weighted W", Format("%.0f", e.condition_number_weighted)},
                    {"filter", e.preprocessing}};
+  if (!e.start.empty()) facts.entries.emplace_back("start", e.start);
+  if (!e.uncertainty.empty()) facts.entries.emplace_back("uncertainty", e.uncertainty);
   if (!e.status.ok()) {
     section.blocks.emplace_back(Paragraph{"Not to be trusted: " + e.status.message(), Paragraph::Kind::kWarning});
   }
@@ -50,11 +52,12 @@ Section Summary(const Estimate& e) {
   section.blocks.emplace_back(std::move(errors));
   section.blocks.emplace_back(FigureGrid{2, {bars}});
   if (lag1 > 0.2) {
-    section.blocks.emplace_back(Paragraph{
-        "The residual is correlated in time (lag-1 autocorrelation up to " + Format("%.2f", lag1) +
-            "): the model lacks effects that last longer than a sample, and the intervals below, which assume "
-            "white residuals, are too short.",
-        Paragraph::Kind::kWarning});
+    section.blocks.emplace_back(
+        Paragraph{"The residual is correlated in time (lag-1 autocorrelation up to " + Format("%.2f", lag1) +
+                      "): the model lacks effects that last longer than a sample" +
+                      (e.uncertainty.empty() ? ", and the intervals below, which assume white residuals, are too short."
+                                             : ". The intervals below allow for it."),
+                  Paragraph::Kind::kWarning});
   }
   return section;
 }

@@ -24,6 +24,16 @@ enum class Side { kJoint, kMotor };
 struct Payload {
   std::string name;
   std::array<std::optional<double>, kNumInertial> known;
+  // Of the known ones, those known to a standard deviation only; absent: exact.
+  std::array<std::optional<double>, kNumInertial> standard_deviation;
+};
+
+// What is known beforehand of an identified parameter, by its name in estimate.json.
+struct Prior {
+  std::string parameter;
+  double value = 0.0;
+  double standard_deviation = 0.0;  // > 0
+  std::string where;                // "file:line: key '...'", for messages
 };
 
 // Where a signal is found in a file: a header name or a 1-based number, then value = scale * column + offset.
@@ -63,6 +73,7 @@ struct Study {
   GainsMode gains_mode = GainsMode::kKnown;
   // n, [N m per signal unit]. Known mode: exact (default 1). Identify mode: a priori values or empty.
   Eigen::VectorXd gains;
+  std::vector<Prior> priors;
   FrictionModel friction;
   Side position_side = Side::kJoint;
   Side signal_side = Side::kJoint;

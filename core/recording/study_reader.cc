@@ -22,8 +22,8 @@ class StudyReader {
   Result<Study> Read() {
     const YAML::Node& root = file_.root();
     if (!file_.Map(root, "",
-                   {"robot", "recordings", "payloads", "gains", "friction", "effects", "position_side", "signal_side",
-                    "columns", "sample_rate", "noise", "preprocessing"})) {
+                   {"robot", "recordings", "payloads", "gains", "priors", "friction", "effects", "position_side",
+                    "signal_side", "columns", "sample_rate", "noise", "preprocessing"})) {
       return file_.status();
     }
     const Status status = ReadRobotOf(root);
@@ -33,6 +33,7 @@ class StudyReader {
       ReadRecordings(root["recordings"]);
     }
     ReadGains(root["gains"]);
+    if (root["priors"].IsDefined()) ReadPriors(root["priors"]);
     if (root["friction"].IsDefined()) ReadFriction(root["friction"]);
     if (root["effects"].IsDefined()) RefuseEffects(root["effects"]);
     if (root["position_side"].IsDefined()) study_.position_side = ReadSide(root["position_side"], "position_side");
@@ -69,6 +70,8 @@ class StudyReader {
       return;
     }
     const std::vector<std::string> names(kStandardNames.begin(), kStandardNames.begin() + kNumInertial);
+    std::vector<std::string> keys = names;
+    keys.push_back("standard_deviation");
     for (const auto& entry : node) {
       Payload payload;
       payload.name = file_.Text(entry.first, "payloads", "the name of a payload");
@@ -77,7 +80,7 @@ class StudyReader {
         if (other.name == payload.name) file_.Fail(entry.first, key, "given twice", "distinct names");
       }
       const bool nothing_known = entry.second.IsNull();
-      if (!nothing_known && !file_.Map(entry.second, key, names)) return;
+      if (!nothing_known && !file_.Map(entry.second, key, keys)) return;
       for (int i = 0; i < kNumInertial && !nothing_known; ++i) {
         const YAML::Node value = entry.second[names[i]];
         if (!value.IsDefined()) continue;
@@ -87,7 +90,45 @@ class StudyReader {
           file_.Fail(value, value_key, FormatNumber(*payload.known[i]) + " is negative", "a moment of inertia >= 0");
         }
       }
+      if (!nothing_known && entry.second["standard_deviation"].IsDefined()) {
+        ReadDeviations(entry.second["standard_deviation"], KeyPath(key, "standard_deviation"), names, &payload);
+      }
       study_.payloads.push_back(std::move(payload));
+    }
+  }
+
+  void ReadDeviations(const YAML::Node& node, const std::string& key, const std::vector<std::string>& names,
+                      Payload* payload) {
+    if (!file_.Map(node, key, names)) return;
+    for (int i = 0; i < kNumInertial; ++i) {
+      const YAML::Node value = node[names[i]];
+      if (!value.IsDefined()) continue;
+      payload->standard_deviation[i] = file_.PositiveNumber(value, KeyPath(key, names[i]));
+      if (!payload->known[i]) file_.Fail(value, KeyPath(key, names[i]), "the payload has no " + names[i], "its value");
+    }
+  }
+
+  void ReadPriors(const YAML::Node& list) {
+    if (!file_.List(list, "priors", "a list of {parameter: .., value: .., standard_deviation: ..}")) return;
+    for (size_t i = 0; i < list.size() && file_.ok(); ++i) {
+      const std::string key = KeyPath("priors", i);
+      if (!file_.Map(list[i], key, {"parameter", "value", "standard_deviation"}) ||
+          !file_.Require(list[i], key, "parameter", "a name as in estimate.json") ||
+          !file_.Require(list[i], key, "value", "a number") ||
+          !file_.Require(list[i], key, "standard_deviation", "a number greater than 0")) {
+        return;
+      }
+      Prior prior;
+      prior.parameter = file_.Text(list[i]["parameter"], KeyPath(key, "parameter"), "a name as in estimate.json");
+      prior.value = file_.Number(list[i]["value"], KeyPath(key, "value"));
+      prior.standard_deviation =
+          file_.PositiveNumber(list[i]["standard_deviation"], KeyPath(key, "standard_deviation"));
+      prior.where = file_.path() + ":" + std::to_string(list[i].Mark().line + 1) + ": key '" + key + "'";
+      for (const Prior& other : study_.priors) {
+        if (other.parameter == prior.parameter)
+          file_.Fail(list[i], key, "'" + prior.parameter + "' is given twice", "one prior");
+      }
+      study_.priors.push_back(std::move(prior));
     }
   }
 

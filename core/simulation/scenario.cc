@@ -204,7 +204,7 @@ Study StudyOf(const Scenario& scenario) {
     study.recordings.push_back(entry);
   }
   for (const ScenarioPayload& payload : scenario.payloads) {
-    study.payloads.push_back({payload.name, {}});
+    study.payloads.emplace_back().name = payload.name;
     for (int k : payload.known) study.payloads.back().known[k] = payload.inertial[k];
   }
   study.gains_mode = scenario.gains_mode;

@@ -1,0 +1,41 @@
+// From what a solver returns to an Estimate with its predictions: what every estimator shares.
+
+#ifndef IDIM_SOLVERS_ASSEMBLE_ESTIMATE_H_
+#define IDIM_SOLVERS_ASSEMBLE_ESTIMATE_H_
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/dynamics/parameters.h"
+#include "core/estimate/estimate.h"
+#include "core/observation/prepared_study.h"
+#include "solvers/gain_verdict.h"
+#include "solvers/identification.h"
+
+namespace idim {
+
+using PayloadColumns = std::vector<std::array<int, kNumInertial>>;  // as AppendPayloadUnknowns() returns them
+
+// BadInput: a validation recording carries a payload whose unknown parameters no identification recording can tell.
+Status CheckValidationPayloads(const Study& study);
+
+// Status, names, noise and preprocessing; no parameters yet.
+Estimate BeginEstimate(const PreparedStudy& prepared, const Status& status, const std::string& estimator);
+
+// Parameters with their intervals, the eliminated ones left out. Base parameters start at `first_base`.
+void SetParameters(const PreparedStudy& prepared, const std::vector<Parameter>& unknowns, const Eigen::VectorXd& values,
+                   const Eigen::MatrixXd& covariance, double degrees_of_freedom, int first_base,
+                   const std::vector<std::string>& eliminated, Estimate* estimate);
+
+// Series and errors of every recording. `values` from `first_base` on: base parameters, then the unknown ones of the
+// payloads of `study` (that of `prepared`, or with parameters that it holds for known released) in `columns`.
+void PredictAll(const PreparedStudy& prepared, const Study& study, const Eigen::VectorXd& gains,
+                const Eigen::VectorXd& values, int first_base, const PayloadColumns& columns, Identification* result);
+
+GainDiagnosis DescribeGain(const GainVerdict& verdict);
+
+}  // namespace idim
+
+#endif  // IDIM_SOLVERS_ASSEMBLE_ESTIMATE_H_

@@ -1,0 +1,258 @@
+#include "solvers/eiv_identification.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/base/text.h"
+#include "solvers/assemble_estimate.h"
+#include "solvers/least_squares.h"
+#include "solvers/payload_unknowns.h"
+
+namespace idim {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// A parameter that is not essential is held at zero by a prior this much narrower than what the data say of it.
+constexpr double kHeld = 1e-6;
+
+struct Start {
+  std::string name;
+  VectorXd values;  // of BundleData::unknowns
+};
+
+// Values of the unknowns of a bundle by name, those of its priors where a closed form has no such unknown.
+VectorXd ByName(const std::vector<Parameter>& names, const VectorXd& values, const BundleData& data) {
+  std::map<std::string, double> known;
+  for (const BundlePrior& prior : data.priors) known[data.unknowns[prior.unknown].name] = prior.value;
+  for (size_t k = 0; k < names.size(); ++k) known[names[k].name] = values[static_cast<Index>(k)];
+  VectorXd result(data.num_unknowns());
+  for (int k = 0; k < result.size(); ++k) result[k] = known.at(data.unknowns[k].name);
+  return result;
+}
+
+// The other unknowns of a gain system by weighted least squares at given gains: (gains, chi, chi_uL).
+VectorXd AtGains(const GainSystem& system, const VectorXd& gains, const VectorXd& joint_sigma) {
+  const int n = system.dof();
+  TriangularFactor factor(static_cast<int>(system.unknowns.size()) + 1);
+  for (int j = 0; j < n; ++j) factor.Merge(system.joints[j], 1.0 / joint_sigma[j]);
+  const MatrixXd r = factor.R();
+  const Index others = r.cols() - 1 - n;
+  MatrixXd rows(r.rows(), others + 1);
+  rows << r.middleCols(n, others), -(r.leftCols(n) * gains + r.col(r.cols() - 1));
+  VectorXd values(n + others);
+  values << gains, SolveLeastSquares(rows, factor.rows() - others).values;
+  return values;
+}
+
+bool CanStart(const VectorXd& values, int gains) {
+  return values.allFinite() && (gains == 0 || values.head(gains).cwiseAbs().minCoeff() > 0.0);
+}
+
+// One that is sound, or several of which none is.
+std::vector<Start> GainStarts(const GainSystem& system, const BundleData& data, const GainSummary& wgtls,
+                              const GainSummary& wls) {
+  std::vector<Start> starts;
+  const auto add = [&](const std::string& name, const VectorXd& values) {
+    if (!CanStart(values, data.dof)) return;
+    starts.push_back({name, ByName(system.unknowns, values, data)});
+  };
+  if (wgtls.status.ok()) {
+    add("WGTLS", wgtls.values);
+    if (!starts.empty()) return starts;
+  }
+  const VectorXd& sigma = wls.joint_sigma;
+  if (system.a_priori_gains.size() > 0) add("a priori gains", AtGains(system, system.a_priori_gains, sigma));
+  if (wgtls.values.size() > 0) add("WGTLS, which is not sound", wgtls.values);
+  add("WLS", wls.values);
+  return starts;
+}
+
+// The best of several starts. *story: which was taken, and whether others end elsewhere.
+BundleSummary SolveFrom(const std::vector<Start>& starts, const PreparedStudy& prepared, const BundleData& data,
+                        const BundleOptions& options, std::string* story) {
+  std::vector<BundleSummary> summaries;
+  size_t best = 0;
+  for (const Start& start : starts) {
+    summaries.push_back(SolveBundle(prepared.base, data, start.values, options));
+    const BundleSummary& last = summaries.back();
+    const BundleSummary& so_far = summaries[best];
+    const bool better = last.IsSolutionUsable() == so_far.IsSolutionUsable() ? last.deviance < so_far.deviance
+                                                                             : last.IsSolutionUsable();
+    if (better) best = summaries.size() - 1;
+  }
+  *story = "start: " + starts[best].name;
+  for (size_t k = 0; k < starts.size(); ++k) {
+    if (k == best) continue;
+    const double above = summaries[k].deviance - summaries[best].deviance;
+    if (!summaries[k].IsSolutionUsable()) {
+      *story += "; from " + starts[k].name + " it does not converge";
+    } else if (above > 0.01) {
+      *story += "; from " + starts[k].name + Format(" it ends at another minimum, of a deviance higher by %.3g", above);
+    } else {
+      *story += "; from " + starts[k].name + " it ends at the same minimum";
+    }
+  }
+  *story +=
+      Format("; %d iterations, %d rounds of weights", summaries[best].iterations, summaries[best].weight_iterations);
+  return summaries[best];
+}
+
+// Parameters that the data cannot tell from zero beside the others, by r_sigma: from the minimum's covariance alone.
+std::vector<std::string> Inessential(const BundleData& data, const BundleSummary& summary, double ratio) {
+  const auto solve = [&](const std::vector<int>& kept) {
+    std::vector<int> dropped;
+    for (int k = 0; k < data.num_unknowns(); ++k) {
+      if (!std::binary_search(kept.begin(), kept.end(), k)) dropped.push_back(k);
+    }
+    const MatrixXd& p = summary.covariance;
+    ParameterSolution solution;
+    solution.values = summary.values(kept);
+    solution.covariance = p(kept, kept);
+    if (dropped.empty()) return solution;
+    const MatrixXd gain = p(kept, dropped) * MatrixXd(p(dropped, dropped)).inverse();
+    solution.values -= gain * summary.values(dropped);
+    solution.covariance -= gain * p(dropped, kept);
+    return solution;
+  };
+  return EliminateInessential(
+             data.unknowns, ratio,
+             [](const Parameter& parameter) { return parameter.kind == ParameterKind::kDriveGain; }, solve)
+      .eliminated;
+}
+
+// Gains that no one should use, or Ok.
+Status CheckGains(const BundleData& data, const BundleSummary& summary, const VectorXd& a_priori, double max_percent) {
+  std::string why;
+  for (int j = 0; j < data.num_gains(); ++j) {
+    const double g = summary.values[j];
+    const std::string name = data.unknowns[j].name + Format(" = %.4g", g);
+    if (a_priori.size() > 0 && g * a_priori[j] < 0.0) {
+      why +=
+          (why.empty() ? "" : "; ") + name + Format(" has the opposite sign of its a priori value %.4g", a_priori[j]);
+    }
+    const double percent = 100.0 * std::sqrt(summary.robust_covariance(j, j)) / std::abs(g);
+    if (!(percent <= max_percent)) {
+      why += (why.empty() ? "" : "; ") + name +
+             Format(" has a relative standard deviation of %.3g %%, above %.3g %%", percent, max_percent);
+    }
+  }
+  if (why.empty()) return Status::Ok();
+  return Status::Untrusted("gains that cannot be trusted: " + why);
+}
+
+std::string Uncertainty(const BundleSummary& summary) {
+  return Format(
+      "standard deviations allow for residuals correlated over up to %d samples and between joints; intervals are %.1f "
+      "%% wider than normal ones for that",
+      summary.hac_lag, 100.0 * (summary.interval_factor - 1.0));
+}
+
+}  // namespace
+
+bool EivOptions::IsValid(std::string* error) const {
+  if (!(huber_threshold >= 0.0)) {
+    *error = "huber_threshold is " + std::to_string(huber_threshold) + "; expected 0 (no loss) or more";
+    return false;
+  }
+  if (!(max_spread_percent > 0.0)) {
+    *error = "max_spread_percent is " + std::to_string(max_spread_percent) + "; expected a number above 0";
+    return false;
+  }
+  return IsValidEssentialRatio(essential_ratio, error);
+}
+
+Result<Identification> IdentifyEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options) {
+  std::string error;
+  CHECK(options.IsValid(&error)) << error;
+  const Study& study = prepared.study;
+  const bool identify = study.gains_mode == GainsMode::kIdentify;
+  CHECK_EQ(identify, system != nullptr);
+  if (Status status = CheckValidationPayloads(study); !status.ok()) return status;
+  const Result<BundleData> data = BuildBundleData(prepared);
+  if (!data.ok()) return data.status();
+
+  Identification result;
+  Estimate& estimate = result.estimate;
+  std::vector<Start> starts;
+  Status start_status;
+  if (identify) {
+    GainOptions closed;
+    closed.estimator = GainEstimator::kWgtls;
+    const GainSummary wgtls = SolveGains(*system, closed);
+    closed.estimator = GainEstimator::kWls;
+    const GainSummary wls = SolveGains(*system, closed);
+    starts = GainStarts(*system, *data, wgtls, wls);
+    start_status = wls.status;
+    estimate = BeginEstimate(prepared, Status::Ok(), "eiv");
+    for (const GainVerdict& verdict : wls.verdicts) estimate.gain_diagnoses.push_back(DescribeGain(verdict));
+    estimate.condition_number = wls.condition_number;
+  } else {
+    Result<Identification> wls = IdentifyLinear(prepared, LinearOptions());
+    if (!wls.ok()) return wls.status();
+    start_status = wls->estimate.status;
+    estimate = BeginEstimate(prepared, Status::Ok(), "eiv");
+    if (start_status.ok()) {
+      std::vector<Parameter> names;
+      VectorXd values(static_cast<Index>(wls->estimate.parameters.size()));
+      for (const ParameterEstimate& p : wls->estimate.parameters) {
+        values[static_cast<Index>(names.size())] = p.value;
+        names.push_back(p.parameter);
+      }
+      starts.push_back({"WLS", ByName(names, values, *data)});
+      estimate.condition_number = wls->estimate.condition_number;
+    }
+  }
+  if (starts.empty()) {
+    estimate.status = start_status;
+    return result;
+  }
+
+  BundleOptions bundle;
+  bundle.priors = data->priors;
+  bundle.huber_threshold = options.huber_threshold;
+  BundleSummary summary = SolveFrom(starts, prepared, *data, bundle, &estimate.start);
+  if (summary.IsSolutionUsable() && options.essential_ratio > 0.0) {
+    estimate.eliminated = Inessential(*data, summary, options.essential_ratio);
+    VectorXd from = summary.values;
+    for (int k = 0; k < data->num_unknowns(); ++k) {
+      const auto& dropped = estimate.eliminated;
+      if (std::find(dropped.begin(), dropped.end(), data->unknowns[k].name) == dropped.end()) continue;
+      bundle.priors.push_back({k, 0.0, kHeld * std::sqrt(summary.covariance(k, k))});
+      from[k] = 0.0;
+    }
+    summary = SolveBundle(prepared.base, *data, from, bundle);
+  }
+  estimate.status = summary.status;
+  if (summary.robust_covariance.size() == 0) return result;
+  const VectorXd a_priori = identify ? study.gains : VectorXd();
+  if (estimate.status.ok()) estimate.status = CheckGains(*data, summary, a_priori, options.max_spread_percent);
+
+  SetParameters(prepared, data->unknowns, summary.values, summary.robust_covariance, summary.degrees_of_freedom,
+                data->num_gains(), estimate.eliminated, &estimate);
+  for (ParameterEstimate& p : estimate.parameters) {
+    SetInterval95(summary.degrees_of_freedom, &p, summary.interval_factor);
+    for (int k = 0; k < data->num_unknowns(); ++k) {
+      if (data->unknowns[k].name == p.parameter.name) p.model_standard_deviation = std::sqrt(summary.covariance(k, k));
+    }
+  }
+  estimate.uncertainty = Uncertainty(summary);
+  estimate.condition_number_weighted = summary.condition_number;
+  estimate.signal_noise_decimated = summary.signal_sigma;
+  const Study released = ReleaseUncertain(study);
+  PayloadColumns columns = data->payload_columns;
+  for (auto& payload : columns) {
+    for (int& column : payload) column += column >= 0 ? data->num_gains() : 0;
+  }
+  PredictAll(prepared, released, data->Gains(summary.values), summary.values, data->num_gains(), columns, &result);
+  return result;
+}
+
+}  // namespace idim

@@ -145,12 +145,12 @@ void SetCovariance(BundleProblem* problem, const BundleData& data, const Iterate
   // Influence of each sample on the parameters.
   const MatrixXd influence = sensitivity.scores * bread;
   summary->hac_lag = options.hac_lag >= 0 ? options.hac_lag : ChooseLag(influence, recordings);
-  summary->robust_covariance = LongRunCovariance(influence, recordings, summary->hac_lag);
+  summary->robust_covariance = LongRunCovariance(influence, recordings, summary->hac_lag) * count * data.dof /
+                               std::max(summary->degrees_of_freedom, 1.0);
   for (const BundlePrior& prior : options.priors) {
     summary->robust_covariance +=
         bread.col(prior.unknown) * bread.row(prior.unknown) / (prior.standard_deviation * prior.standard_deviation);
   }
-  summary->robust_covariance *= count * data.dof / std::max(summary->degrees_of_freedom, 1.0);
   summary->interval_factor = IntervalFactor((summary->hac_lag + 1.0) / count);
 }
 
@@ -256,9 +256,7 @@ BundleSummary SolveBundle(const BaseParameters& base, const BundleData& data, co
   summary.deviance = iterate.at.cost + iterate.at.log_determinants;
   summary.status = diagnose();
   if (!summary.status.ok()) return summary;
-  summary.condition_number =
-      ConditionNumber(iterate.at.r.topLeftCorner(start.size(), start.size()) *
-                      ColumnScales(iterate.at.r.leftCols(start.size())).cwiseInverse().asDiagonal());
+  summary.condition_number = ConditionNumber(iterate.at.r.topLeftCorner(start.size(), start.size()));
   SetCovariance(&problem, data, iterate, &summary);
   if (!summary.converged) {
     char distance[32];

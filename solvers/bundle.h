@@ -29,7 +29,7 @@
 // too.
 //
 // Covariance. `covariance`: inverse of the Schur complement, right where the model is true and samples are independent.
-// `robust_covariance`: A^-1 (sum of score autocovariances with Bartlett weights + priors) A^-1 N n / (N n - c), right
+// `robust_covariance`: A^-1 (N n / (N n - c) sum of score autocovariances with Bartlett weights + priors) A^-1, right
 // for residuals correlated in time and between joints, and of a variance that changes along the motion (Newey & West
 // 1987). The lag comes from the scores' own first autocorrelations, scaled to the parameters (Andrews 1991, AR(1),
 // Bartlett). `interval_factor` widens intervals for the lag being a share b of the samples: the critical values of

@@ -48,7 +48,7 @@ TEST_F(IdimCompare, WritesTheContract) {
   EXPECT_THAT(FilesIn(folder_ / "out"), ElementsAre("comparison.json", "report.html"));
   const Json comparison = Comparison();
   EXPECT_EQ(comparison.at("schema"), "idim.comparison.1");
-  EXPECT_THAT(Names(comparison), ElementsAre("ls", "wls", "tls", "wtls", "gtls", "wgtls"));
+  EXPECT_THAT(Names(comparison), ElementsAre("ls", "wls", "tls", "wtls", "gtls", "wgtls", "eiv"));
   for (const Json& e : comparison.at("estimates")) {
     EXPECT_EQ(e.at("schema"), "idim.estimate.1");
     EXPECT_EQ(e.at("robot"), "staubli_tx40");
@@ -107,10 +107,14 @@ TEST_F(IdimCompare, LsShrinksGainsAndScaledTlsDoesNot) {
     if (e.at("estimator") == "wgtls") {
       EXPECT_LT(worst, 0.1);
     }
+    if (e.at("estimator") == "eiv") {
+      EXPECT_LT(worst, 0.05);
+    }
   }
   EXPECT_LT(mean["ls"], -0.1);
   EXPECT_LT(mean["wls"], -0.1);
   EXPECT_LT(std::abs(mean["wgtls"]), 0.05);
+  EXPECT_LT(std::abs(mean["eiv"]), 0.02);
 }
 
 TEST_F(IdimCompare, SameInputSameBytes) {
@@ -132,11 +136,11 @@ TEST_F(IdimCompare, SameInputSameBytes) {
   }
 }
 
-TEST_F(IdimCompare, KnownGainsHaveTwoEstimators) {
+TEST_F(IdimCompare, KnownGainsHaveThreeEstimators) {
   testing::SmallStudy study;
   const testing::ProgramRun run = testing::RunProgram("idim_compare", study.Arguments());
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(Names(testing::ReadJson(study.folder / "out/comparison.json")), ElementsAre("ls", "wls"));
+  EXPECT_THAT(Names(testing::ReadJson(study.folder / "out/comparison.json")), ElementsAre("ls", "wls", "eiv"));
   EXPECT_THAT(run.out, Not(HasSubstr("g1")));
 }
 
@@ -150,7 +154,7 @@ TEST_F(IdimCompare, NothingToTrust) {
   EXPECT_THAT(run.err, HasSubstr("not identifiable"));
   EXPECT_THAT(run.out, HasSubstr("IDIM-WLS: no estimate; not to be trusted: not identifiable"));
   const Json comparison = testing::ReadJson(study.folder / "out/comparison.json");
-  EXPECT_EQ(comparison.at("estimates").size(), 2u);
+  EXPECT_EQ(comparison.at("estimates").size(), 3u);
   for (const Json& e : comparison.at("estimates")) {
     EXPECT_EQ(e.at("status"), "untrusted");
     EXPECT_THAT(e.at("message").get<std::string>(), HasSubstr("not identifiable"));
@@ -210,14 +214,17 @@ TEST_F(IdimCompare, RealUr10e) {
     const std::string name = e.at("estimator");
     const Json g1 = FindParameter(e, "g1");
     const bool ok = e.at("status") == "ok";
-    seen += name == "ls" || name == "tls" || name == "wgtls";
+    seen += name == "ls" || name == "tls" || name == "wgtls" || name == "eiv";
     if (name == "ls") {
       EXPECT_LT(g1.at("value").get<double>(), 5.0);
     }
     if (name == "tls") {
       EXPECT_TRUE(!ok || g1.at("value").get<double>() > 30.0) << g1;
     }
-    if (name != "wgtls") continue;
+    if (name == "eiv") {
+      EXPECT_TRUE(ok) << e.at("message");
+    }
+    if (name != "wgtls" && name != "eiv") continue;
     for (int j = 0; j < 6; ++j) {
       const Json g = FindParameter(e, "g" + std::to_string(j + 1));
       EXPECT_NEAR(g.at("value").get<double>(), by_current[j], 0.15 * by_current[j]) << g;
@@ -228,7 +235,7 @@ TEST_F(IdimCompare, RealUr10e) {
     EXPECT_THAT(verdict.at("sentence").get<std::string>(), HasSubstr("gravity of the known payload puts no torque"));
     EXPECT_THAT(e.at("gain_diagnoses").at(1).at("sentence").get<std::string>(), HasSubstr("gravity alone"));
   }
-  EXPECT_EQ(seen, 3);
+  EXPECT_EQ(seen, 4);
 }
 
 }  // namespace

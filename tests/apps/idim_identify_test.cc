@@ -27,7 +27,7 @@ Json Estimate(const std::string& output) { return Json::parse(testing::ReadText(
 
 TEST(IdimIdentify, FindsTheSmallArmAndWritesThreeFiles) {
   testing::SmallStudy study;
-  for (const std::string flags : {"--estimator=ls", "--estimator=wls"}) {
+  for (const std::string flags : {"--estimator=ls", "--estimator=wls", "--estimator=eiv", ""}) {
     study.flags = flags;
     const testing::ProgramRun run = testing::RunProgram("idim_identify", study.Arguments());
     ASSERT_EQ(run.exit_code, 0) << run.err;

@@ -1,0 +1,91 @@
+// A torque effect that the declared model may lack, and what all of them have in common.
+//
+//   tau_effect(t) = sum_p theta_p c_p(t; s)
+//
+// with linear parameters theta, torque columns c_p along a recording and, for some, shape parameters s (a Stribeck
+// velocity, an exponent, an order). Columns stand at the recorded instants and pass the same decimation as the columns
+// of the rigid model. What an effect needs of a torque (load friction, delay, elasticity) is taken from the model so
+// far, never from the noisy signal: with the signal in a regressor the estimate would be biased. Columns are functions
+// of the measured states; what the states' noise does to them is neglected in the bundle, as it is for Coulomb
+// friction: an effect is a small part of the torque, and the noise a small part of that.
+//
+// Declared friction is the same kind of object (ids viscous, coulomb, offset), its columns those of
+// core/dynamics/standard_model.h. Adding an effect: one file with its class, one line in registry.cc.
+
+#ifndef IDIM_CORE_EFFECTS_EFFECT_H_
+#define IDIM_CORE_EFFECTS_EFFECT_H_
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/dynamics/parameters.h"
+#include "core/robot/robot.h"
+
+namespace idim {
+
+// What an effect sees of one recording: N instants, n joints.
+struct EffectMotion {
+  // Torque of links, drives and payload (friction apart) of the model so far at any state, with gravity [m/s^2] in the
+  // base frame. n each.
+  using RigidTorque = std::function<Eigen::VectorXd(const Eigen::VectorXd& q, const Eigen::VectorXd& dq,
+                                                    const Eigen::VectorXd& ddq, const Eigen::Vector3d& gravity)>;
+  // n x 10: the columns of a body fixed to the last link, in its frame.
+  using BodyColumns =
+      std::function<Eigen::MatrixXd(const Eigen::VectorXd& q, const Eigen::VectorXd& dq, const Eigen::VectorXd& ddq)>;
+
+  const Robot* robot = nullptr;
+  int recording = 0;               // index among the recordings of the study
+  Eigen::VectorXd t;               // N [s]
+  Eigen::MatrixXd q, dq, ddq;      // N x n
+  Eigen::VectorXd velocity_sigma;  // n, standard deviations of dq
+  Eigen::MatrixXd torque;          // N x n [N m or N], of the model so far, friction included
+  RigidTorque rigid_torque;
+  BodyColumns body_columns;
+};
+
+// N values of one parameter's column in the rows of one joint; where no entry is, the column is zero.
+struct EffectEntry {
+  int parameter = 0;  // index into Effect::Parameters()
+  int joint = 0;      // zero-based
+  Eigen::VectorXd torque;
+};
+
+struct ShapeParameter {
+  std::string name;
+  std::string unit;
+  double lower = 0.0, upper = 0.0;  // limits within which it is refined
+  std::vector<double> grid;         // values to begin with, increasing
+};
+
+enum class EffectSite { kJoint, kJointPair, kArm };
+
+class Effect {
+ public:
+  virtual ~Effect() = default;
+
+  virtual std::string id() const = 0;  // as in the contract: "stribeck"
+  virtual EffectSite site() const = 0;
+  virtual std::string physics() const = 0;         // one line
+  virtual std::string how_to_confirm() const = 0;  // one line: what to do at the robot
+
+  // joints (zero-based): one for kJoint, two for kJointPair, none for kArm (CHECK).
+  // Parameters with kind kEffect, names unique over joints ("Fst3"), joint one-based (0: of the arm).
+  virtual std::vector<Parameter> Parameters(const Robot& robot, const std::vector<int>& joints) const = 0;
+  // Empty for an effect without shape. The grid may depend on all motions of the study.
+  virtual std::vector<ShapeParameter> Shapes(const std::vector<EffectMotion>& motions,
+                                             const std::vector<int>& joints) const;
+  // shape: one value a shape parameter (CHECK).
+  virtual std::vector<EffectEntry> Columns(const EffectMotion& motion, const std::vector<int>& joints,
+                                           const Eigen::VectorXd& shape) const = 0;
+};
+
+// All effects, the declared friction first, then those of the contract in its order. Never freed.
+const std::vector<const Effect*>& AllEffects();
+// nullptr where there is none.
+const Effect* FindEffect(const std::string& id);
+
+}  // namespace idim
+
+#endif  // IDIM_CORE_EFFECTS_EFFECT_H_

@@ -67,7 +67,7 @@ void PredictAll(const PreparedStudy& prepared, const Study& study, const VectorX
                 int first_base, const PayloadColumns& columns, Identification* result) {
   ArmParameters arm;
   arm.gains = gains;
-  arm.chi = values.segment(first_base, prepared.base.size());
+  arm.chi = values.segment(first_base, prepared.num_columns());
   for (int p = 0; p < static_cast<int>(study.payloads.size()); ++p) {
     InertialVector body = KnownPayload(study, p);
     for (int k = 0; k < kNumInertial; ++k) {

@@ -30,21 +30,20 @@ void AddRecording(const PreparedRecording& recording, const PreparedStudy& prepa
   InertialVector known = InertialVector::Zero();
   if (payload >= 0) known = data->known_payload[payload];
   Eigen::Index row = 0;
-  StreamObservations(prepared.base, states, recording.recording.signal, prepared.velocity_sigma, recording.decimator,
-                     [&](const Observation& observation) {
-                       BundleSample sample;
-                       sample.recording = index;
-                       sample.columns.setZero(data->dof, data->num_columns());
-                       sample.columns.leftCols(data->num_base) = observation.base;
-                       for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
-                         const int column = data->payload_columns[payload][k];
-                         if (column >= 0) sample.columns.col(column) = observation.payload.col(k);
-                       }
-                       sample.known = observation.payload * known;
-                       sample.signal = observation.signal;
-                       sample.state = decimated.row(row++);
-                       data->samples.push_back(std::move(sample));
-                     });
+  StreamObservations(prepared, recording, [&](const Observation& observation) {
+    BundleSample sample;
+    sample.recording = index;
+    sample.columns.setZero(data->dof, data->num_columns());
+    sample.columns.leftCols(data->num_base) = observation.columns;
+    for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
+      const int column = data->payload_columns[payload][k];
+      if (column >= 0) sample.columns.col(column) = observation.payload.col(k);
+    }
+    sample.known = observation.payload * known;
+    sample.signal = observation.signal;
+    sample.state = decimated.row(row++);
+    data->samples.push_back(std::move(sample));
+  });
 }
 
 }  // namespace
@@ -53,14 +52,15 @@ Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
   const Study study = ReleaseUncertain(prepared.study);
   BundleData data;
   data.dof = study.robot.dof();
-  data.num_base = prepared.base.size();
+  data.num_base = prepared.num_columns();
   if (study.gains_mode == GainsMode::kIdentify) {
     if (Status status = CheckGainStudy(prepared.study); !status.ok()) return status;
     data.unknowns = GainParameters(data.dof);
   } else {
     data.known_gains = study.gains;
   }
-  data.unknowns.insert(data.unknowns.end(), prepared.base.parameters().begin(), prepared.base.parameters().end());
+  const std::vector<Parameter> of_model = prepared.parameters();
+  data.unknowns.insert(data.unknowns.end(), of_model.begin(), of_model.end());
   data.payload_columns = AppendPayloadUnknowns(study, &data.unknowns);
   for (auto& columns : data.payload_columns) {
     for (int& column : columns) column -= column >= 0 ? data.num_gains() : 0;

@@ -45,7 +45,7 @@ struct BundleSample {
 struct BundleData {
   std::vector<Parameter> unknowns;  // gains (unless they are known), base parameters, unknown payload parameters
   int dof = 0;
-  int num_base = 0;
+  int num_base = 0;                   // base parameters and parameters of effects
   std::vector<BundleSample> samples;  // recording by recording, in order of time
   // A recording: the 3 x 3 covariance of (q, dq, ddq) of each joint, [rad, rad/s, rad/s^2]^2.
   std::vector<std::vector<Eigen::Matrix3d>> state_covariance;

@@ -97,7 +97,8 @@ Result<GainRows> GainRows::Create(const PreparedStudy& prepared) {
   if (Status status = CheckGainStudy(prepared.study); !status.ok()) return status;
   GainRows rows(prepared);
   rows.unknowns_ = GainParameters(prepared.study.robot.dof());
-  rows.unknowns_.insert(rows.unknowns_.end(), prepared.base.parameters().begin(), prepared.base.parameters().end());
+  const std::vector<Parameter> of_model = prepared.parameters();
+  rows.unknowns_.insert(rows.unknowns_.end(), of_model.begin(), of_model.end());
   rows.payload_columns_ = AppendPayloadUnknowns(prepared.study, &rows.unknowns_);
   return rows;
 }
@@ -112,17 +113,16 @@ void GainRows::Stream(const PreparedRecording& recording,
   const MatrixXd drive = JointTorque(study, VectorXd::Ones(n), MatrixXd::Identity(n, n)).transpose();
   const Eigen::Index known_column = static_cast<Eigen::Index>(unknowns_.size());
   RowMajorMatrix rows = RowMajorMatrix::Zero(n, known_column + 1);
-  StreamObservations(prepared_.base, recording.states, recording.recording.signal, prepared_.velocity_sigma,
-                     recording.decimator, [&](const Observation& observation) {
-                       rows.leftCols(n) = drive * observation.signal.asDiagonal();
-                       rows.middleCols(n, prepared_.base.size()) = -observation.base;
-                       for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
-                         const int column = payload_columns_[payload][k];
-                         if (column >= 0) rows.col(column) = -observation.payload.col(k);
-                       }
-                       rows.col(known_column) = -observation.payload * known;
-                       visit(rows);
-                     });
+  StreamObservations(prepared_, recording, [&](const Observation& observation) {
+    rows.leftCols(n) = drive * observation.signal.asDiagonal();
+    rows.middleCols(n, prepared_.num_columns()) = -observation.columns;
+    for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
+      const int column = payload_columns_[payload][k];
+      if (column >= 0) rows.col(column) = -observation.payload.col(k);
+    }
+    rows.col(known_column) = -observation.payload * known;
+    visit(rows);
+  });
 }
 
 }  // namespace idim

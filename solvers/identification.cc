@@ -22,18 +22,17 @@ void AddRecording(const PreparedStudy& prepared, const PreparedRecording& record
   const InertialVector known = KnownPayload(study, payload);
   const int torque = static_cast<int>(system->unknowns.size());
   Observation::RowMajorMatrix rows = Observation::RowMajorMatrix::Zero(n, torque + 1);
-  StreamObservations(prepared.base, recording.states, recording.recording.signal, prepared.velocity_sigma,
-                     recording.decimator, [&](const Observation& observation) {
-                       rows.leftCols(prepared.base.size()) = observation.base;
-                       for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
-                         const int column = columns[payload][k];
-                         if (column >= 0) rows.col(column) = observation.payload.col(k);
-                       }
-                       const MatrixXd signal = observation.signal.transpose();
-                       rows.col(torque) = JointTorque(study, study.gains, signal).transpose();
-                       rows.col(torque) -= observation.payload * known;
-                       for (int j = 0; j < n; ++j) system->joints[j].AddRow(rows.row(j));
-                     });
+  StreamObservations(prepared, recording, [&](const Observation& observation) {
+    rows.leftCols(prepared.num_columns()) = observation.columns;
+    for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
+      const int column = columns[payload][k];
+      if (column >= 0) rows.col(column) = observation.payload.col(k);
+    }
+    const MatrixXd signal = observation.signal.transpose();
+    rows.col(torque) = JointTorque(study, study.gains, signal).transpose();
+    rows.col(torque) -= observation.payload * known;
+    for (int j = 0; j < n; ++j) system->joints[j].AddRow(rows.row(j));
+  });
 }
 
 // n x n: torque of the joints = map * signal of the drives.
@@ -69,7 +68,7 @@ Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const Linea
                             "takes as known; expected 'known' with values");
   }
   if (Status status = CheckValidationPayloads(study); !status.ok()) return status;
-  std::vector<Parameter> unknowns = prepared.base.parameters();
+  std::vector<Parameter> unknowns = prepared.parameters();
   const PayloadColumns columns = AppendPayloadUnknowns(study, &unknowns);
   LinearSystem system(unknowns, study.robot.dof());
   for (const PreparedRecording& recording : prepared.recordings) {
@@ -98,7 +97,8 @@ Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSy
   if (Status status = CheckValidationPayloads(study); !status.ok()) return status;
   const int n = study.robot.dof();
   std::vector<Parameter> unknowns = GainParameters(n);
-  unknowns.insert(unknowns.end(), prepared.base.parameters().begin(), prepared.base.parameters().end());
+  const std::vector<Parameter> of_model = prepared.parameters();
+  unknowns.insert(unknowns.end(), of_model.begin(), of_model.end());
   const PayloadColumns columns = AppendPayloadUnknowns(study, &unknowns);
   GainOptions used = options;
   if (used.column_noise.size() == 0) used.column_noise = APrioriColumnNoise(study, unknowns.size() + 1);

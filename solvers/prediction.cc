@@ -39,7 +39,7 @@ MatrixXd UnfilteredResidual(const RecordingSeries& series) {
 RecordingSeries Predict(const PreparedStudy& prepared, const PreparedRecording& recording,
                         const ArmParameters& parameters) {
   const Study& study = prepared.study;
-  CHECK_EQ(parameters.chi.size(), prepared.base.size());
+  CHECK_EQ(parameters.chi.size(), prepared.num_columns());
   CHECK_EQ(parameters.payloads.size(), study.payloads.size());
   // Base parameters are standard parameters with the regrouped ones zero: the torque is the same.
   StandardModel model = prepared.base.model();
@@ -62,6 +62,9 @@ RecordingSeries Predict(const PreparedStudy& prepared, const PreparedRecording& 
     ddq = states.ddq.row(i);
     model.Torque(q.data(), dq.data(), ddq.data(), prepared.velocity_sigma.data(), chi, body, tau.data());
     series.model.row(i) = tau;
+  }
+  for (const EffectEntry& effect : recording.effects) {
+    series.model.col(effect.joint) += parameters.chi[prepared.base.size() + effect.parameter] * effect.torque;
   }
   series.decimated_t = recording.decimator.times();
   series.decimated_q = recording.decimator.Apply(states.q);

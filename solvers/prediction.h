@@ -15,7 +15,7 @@ namespace idim {
 // All that a torque of the study depends on.
 struct ArmParameters {
   Eigen::VectorXd gains;                 // n [N m or N per signal unit]
-  Eigen::VectorXd chi;                   // base parameters, in the order of BaseParameters
+  Eigen::VectorXd chi;                   // of PreparedStudy::parameters()
   std::vector<InertialVector> payloads;  // one a payload of the study, in the frame of the last link
 };
 

@@ -47,21 +47,16 @@ std::optional<InertialVector> PayloadOf(const Study& study, int payload, const R
 }
 
 double ConditionOf(const PreparedStudy& prepared, const PreparedRecording& recording) {
-  TriangularFactor factor(prepared.base.size());
-  StreamObservations(prepared.base, recording.states, recording.recording.signal, prepared.velocity_sigma,
-                     recording.decimator, [&](const Observation& observation) {
-                       for (Eigen::Index j = 0; j < observation.base.rows(); ++j) {
-                         factor.AddRow(observation.base.row(j));
-                       }
-                     });
+  TriangularFactor factor(prepared.num_columns());
+  StreamObservations(prepared, recording, [&](const Observation& observation) { factor.AddRows(observation.columns); });
   return ConditionNumber(factor.R());
 }
 
 std::optional<MassEstimate> EstimateMass(const PreparedStudy& prepared, const PreparedRecording& recording,
                                          const VectorXd& gains) {
   if (recording.entry.payload < 0) return std::nullopt;
-  PreparedStudy both{prepared.study,          prepared.base,           prepared.preprocessing,
-                     prepared.position_noise, prepared.velocity_sigma, {}};
+  PreparedStudy both = prepared;
+  both.recordings.clear();
   both.study.gains_mode = GainsMode::kKnown;
   both.study.gains = gains;
   both.study.payloads.assign(1, Payload());
@@ -118,17 +113,18 @@ Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Referenc
     return Status::BadInput("estimate '" + estimate.name + "' has no drive gains and " + study.path +
                             " leaves them to be identified (key 'gains.mode'); expected gains in one of them");
   }
-  arm.chi = VectorXd::Zero(prepared.base.size());
+  const std::vector<Parameter> of_model = prepared.parameters();
+  arm.chi = VectorXd::Zero(prepared.num_columns());
   int found = 0;
-  for (int k = 0; k < prepared.base.size(); ++k) {
-    const Reference::Entry* entry = estimate.Find(prepared.base.parameters()[k].name);
+  for (int k = 0; k < prepared.num_columns(); ++k) {
+    const Reference::Entry* entry = estimate.Find(of_model[k].name);
     if (entry == nullptr) continue;
     arm.chi[k] = entry->value;
     ++found;
   }
   const std::string payload_link = std::to_string(n + 1);
   std::vector<std::string> names;
-  for (const Parameter& p : prepared.base.parameters()) names.push_back(p.name);
+  for (const Parameter& p : of_model) names.push_back(p.name);
   for (const Reference::Entry& entry : estimate.parameters) {
     bool known = false;
     for (const std::string& name : names) known |= name == entry.name;

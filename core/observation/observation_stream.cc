@@ -41,26 +41,37 @@ std::vector<Entry> StructuralEntries(const BaseParameters& base) {
 
 void StreamObservations(const BaseParameters& base, const JointStates& states, const Eigen::MatrixXd& signal,
                         const Eigen::VectorXd& velocity_sigma, const Decimator& decimator,
-                        const std::function<void(const Observation&)>& visit) {
+                        const std::function<void(const Observation&)>& visit, const std::vector<EffectEntry>& effects,
+                        int effect_parameters) {
   StandardModel model = base.model();
   const int n = model.dof();
   CHECK_EQ(states.q.cols(), n);
   CHECK_EQ(signal.rows(), decimator.samples());
   CHECK_EQ(velocity_sigma.size(), n);
+  for (const EffectEntry& effect : effects) {
+    CHECK_EQ(effect.torque.size(), decimator.samples());
+    CHECK_LT(effect.parameter, effect_parameters);
+  }
   const std::vector<Entry> entries = StructuralEntries(base);
   const int num_entries = static_cast<int>(entries.size());
-  const int packed = num_entries + 10 * n + n;  // base entries, payload columns, signal
+  const int num_effects = static_cast<int>(effects.size());
+  const int payload = num_entries + num_effects;
+  const int packed = payload + 10 * n + n;  // base entries, effects, payload columns, signal
   const int ring = decimator.max_open() + 1;
   Eigen::MatrixXd open = Eigen::MatrixXd::Zero(packed, ring);  // a column an open output
 
   Observation observation;
-  observation.base.setZero(n, base.size());
+  observation.columns.setZero(n, base.size() + effect_parameters);
   observation.payload.setZero(n, 10);
   observation.signal.setZero(n);
   const auto emit = [&](int output) {
     auto sums = open.col(output % ring);
-    for (int e = 0; e < num_entries; ++e) observation.base(entries[e].row, entries[e].to) = sums[e];
-    std::copy_n(sums.data() + num_entries, 10 * n, observation.payload.data());
+    for (int e = 0; e < num_entries; ++e) observation.columns(entries[e].row, entries[e].to) = sums[e];
+    observation.columns.rightCols(effect_parameters).setZero();
+    for (int e = 0; e < num_effects; ++e) {
+      observation.columns(effects[e].joint, base.size() + effects[e].parameter) += sums[num_entries + e];
+    }
+    std::copy_n(sums.data() + payload, 10 * n, observation.payload.data());
     observation.signal = sums.tail(n);
     observation.t = decimator.times()[output];
     visit(observation);
@@ -78,7 +89,8 @@ void StreamObservations(const BaseParameters& base, const JointStates& states, c
       ddq = states.ddq.row(i);
       model.Regressor(q.data(), dq.data(), ddq.data(), velocity_sigma.data(), w.data());
       for (int e = 0; e < num_entries; ++e) now[e] = w(entries[e].row, entries[e].from);
-      model.PayloadColumns(now.data() + num_entries);
+      for (int e = 0; e < num_effects; ++e) now[num_entries + e] = effects[e].torque[i];
+      model.PayloadColumns(now.data() + payload);
       now.tail(n) = signal.row(i);
       for (int j = 0; j < contribution.count; ++j) {
         open.col((contribution.first + j) % ring) += contribution.weights[j] * now;

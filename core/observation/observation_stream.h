@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/dynamics/base_parameters.h"
+#include "core/effects/effect.h"
 #include "core/signal/decimator.h"
 #include "core/signal/preprocessing.h"
 
@@ -21,16 +22,18 @@ namespace idim {
 struct Observation {
   using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   double t = 0.0;          // [s]
-  RowMajorMatrix base;     // n x number of base parameters: IDM
+  RowMajorMatrix columns;  // n x (base parameters + parameters of effects): IDM
   RowMajorMatrix payload;  // n x 10: the columns of a body fixed to the last link, in its frame
   Eigen::VectorXd signal;  // n, the control signal as the study has it
 };
 
 // states and signal (N x n) at the recorded instants; velocity_sigma: n, of the undecimated dq, for the sign near
-// standstill (core/dynamics/standard_model.h). Calls `visit` for each output in order of time.
+// standstill (core/dynamics/standard_model.h). Calls `visit` for each output in order of time. effects: entries of
+// length N, EffectEntry::parameter below `effect_parameters`.
 void StreamObservations(const BaseParameters& base, const JointStates& states, const Eigen::MatrixXd& signal,
                         const Eigen::VectorXd& velocity_sigma, const Decimator& decimator,
-                        const std::function<void(const Observation&)>& visit);
+                        const std::function<void(const Observation&)>& visit,
+                        const std::vector<EffectEntry>& effects = {}, int effect_parameters = 0);
 
 }  // namespace idim
 

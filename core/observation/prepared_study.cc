@@ -54,6 +54,19 @@ Status CheckMotion(const PreparedStudy& prepared) {
 
 }  // namespace
 
+std::vector<Parameter> PreparedStudy::parameters() const {
+  std::vector<Parameter> all = base.parameters();
+  all.insert(all.end(), effect_parameters.begin(), effect_parameters.end());
+  return all;
+}
+
+void StreamObservations(const PreparedStudy& prepared, const PreparedRecording& recording,
+                        const std::function<void(const Observation&)>& visit) {
+  StreamObservations(prepared.base, recording.states, recording.recording.signal, prepared.velocity_sigma,
+                     recording.decimator, visit, recording.effects,
+                     static_cast<int>(prepared.effect_parameters.size()));
+}
+
 Result<PreparedStudy> PrepareStudy(const Study& study) {
   std::vector<Recording> recordings;
   for (const RecordingEntry& entry : study.recordings) {

@@ -4,10 +4,13 @@
 #define IDIM_CORE_OBSERVATION_PREPARED_STUDY_H_
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "core/base/status.h"
 #include "core/dynamics/base_parameters.h"
+#include "core/effects/effect.h"
+#include "core/observation/observation_stream.h"
 #include "core/recording/study.h"
 #include "core/signal/preprocessing.h"
 
@@ -18,6 +21,15 @@ struct PreparedRecording {
   Recording recording;
   JointStates states;
   Decimator decimator;
+  std::vector<EffectEntry> effects =
+      {};  // of all effects of the study; parameter: index into PreparedStudy::effect_parameters
+};
+
+// An effect in the model, where and of which shape.
+struct ActiveEffect {
+  const Effect* effect = nullptr;
+  std::vector<int> joints;  // zero-based, see Effect::Parameters()
+  Eigen::VectorXd shape;
 };
 
 struct PreparedStudy {
@@ -27,7 +39,17 @@ struct PreparedStudy {
   Eigen::VectorXd position_noise;  // n [rad or m] a sample, a priori or estimated
   Eigen::VectorXd velocity_sigma;  // n [rad/s or m/s], of the undecimated dq
   std::vector<PreparedRecording> recordings;
+  std::vector<ActiveEffect> effects = {};  // beside declared friction; set by SetEffects (solvers/active_effects.h)
+  std::vector<Parameter> effect_parameters = {};
+
+  // What the columns of an observation belong to: base parameters, then those of the effects.
+  std::vector<Parameter> parameters() const;
+  int num_columns() const { return base.size() + static_cast<int>(effect_parameters.size()); }
 };
+
+// StreamObservations() of one of the study's recordings, its effects included.
+void StreamObservations(const PreparedStudy& prepared, const PreparedRecording& recording,
+                        const std::function<void(const Observation&)>& visit);
 
 // Reads every recording of the study, chooses the filter where the study does not, estimates the joint states.
 // BadInput: as the readers and filters say. Untrusted: a joint that moves in no identification recording.

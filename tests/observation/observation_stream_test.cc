@@ -67,7 +67,7 @@ TEST_P(Clocks, EqualsDenseColumnsThroughTheDecimator) {
     EXPECT_EQ(o.t, decimator->times()[output]);
     for (int j = 0; j < n; ++j) {
       const auto row = expected.row(output).segment(j * columns, columns);
-      EXPECT_LT((o.base.row(j) - row.head(base.size())).norm(), 1e-12 * row.norm());
+      EXPECT_LT((o.columns.row(j) - row.head(base.size())).norm(), 1e-12 * row.norm());
       EXPECT_LT((o.payload.row(j) - row.tail(10)).norm(), 1e-12 * row.norm());
     }
     EXPECT_LT((o.signal.transpose() - expected_signal.row(output)).norm(), 1e-13);

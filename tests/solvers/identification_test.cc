@@ -301,9 +301,9 @@ TEST_F(IdentificationTest, AValidationPayloadThatNothingTells) {
 }
 
 TEST_F(IdentificationTest, EstimatorsByName) {
-  EXPECT_THAT(EstimatorNames(GainsMode::kKnown), ::testing::ElementsAre("ls", "wls"));
+  EXPECT_THAT(EstimatorNames(GainsMode::kKnown), ::testing::ElementsAre("ls", "wls", "eiv"));
   EXPECT_THAT(EstimatorNames(GainsMode::kIdentify),
-              ::testing::ElementsAre("ls", "wls", "tls", "wtls", "gtls", "wgtls"));
+              ::testing::ElementsAre("ls", "wls", "tls", "wtls", "gtls", "wgtls", "eiv"));
   simulated_.Simulate();
   PreparedStudy prepared = simulated_.Prepare();
   const Result<EstimatorRunner> known = EstimatorRunner::Create(&prepared);

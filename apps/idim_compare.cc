@@ -3,26 +3,81 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
+#include <optional>
+#include <thread>
 
 #include "apps/program.h"
 #include "core/base/file.h"
 #include "core/estimate/comparison_report.h"
 #include "core/estimate/reference.h"
 #include "solvers/estimators.h"
+#include "solvers/monte_carlo.h"
 
 DEFINE_string(output, "", "Directory for comparison.json and report.html");
 DEFINE_double(r_sigma, 0.0,
               "Cancel parameters until max / min of the relative standard deviations is below this (the paper takes 10 "
               "to 30); 0 keeps all base parameters");
 DEFINE_string(reference, "", "Comma-separated JSON files in the format of estimate.json to print beside the estimates");
+DEFINE_int32(monte_carlo, 0,
+             "Number of runs (at least 2) on data simulated from the last estimate that can be trusted: bias, spread, "
+             "error and interval coverage of every estimator; 0: none");
+DEFINE_int64(seed, 1, "Of the simulated noise, at least 0; same seed, same results, whatever the number of threads");
+DEFINE_int32(threads, static_cast<int>(std::max(1u, std::thread::hardware_concurrency())),
+             "Threads for the simulated runs, at least 1 (default: all cores)");
 
 namespace {
 
 using idim::Status;
 
+// The flags of the simulation, as a whole: nothing is read before they are right.
+Status CheckMonteCarloFlags() {
+  const auto bad = [](const std::string& flag, long long value, const std::string& expected) {
+    return Status::BadInput("--" + flag + "=" + std::to_string(value) + ": expected " + expected);
+  };
+  if (FLAGS_monte_carlo < 0 || FLAGS_monte_carlo == 1) {
+    return bad("monte_carlo", FLAGS_monte_carlo, "0 for none, or at least 2 runs, since one has no spread");
+  }
+  if (FLAGS_seed < 0) return bad("seed", FLAGS_seed, "a whole number of at least 0");
+  if (FLAGS_threads < 1) return bad("threads", FLAGS_threads, "at least 1");
+  return Status::Ok();
+}
+
+// The truth to simulate from: the last estimate that can be trusted, since the list goes from the plainest to the one
+// that models the noise best. nullptr: none.
+const idim::Estimate* Reference(const std::vector<idim::Estimate>& estimates) {
+  for (size_t k = estimates.size(); k-- > 0;) {
+    if (estimates[k].status.ok() && !estimates[k].parameters.empty()) return &estimates[k];
+  }
+  return nullptr;
+}
+
+Status Simulate(const idim::PreparedStudy& prepared, idim::Progress* progress, idim::Comparison* comparison) {
+  const idim::Estimate* reference = Reference(comparison->estimates);
+  if (reference == nullptr) {
+    return Status::Untrusted(
+        "--monte_carlo: no estimator gives an estimate that can be trusted, so there is no truth "
+        "to simulate from; the first says: " +
+        comparison->estimates.front().status.message());
+  }
+  idim::MonteCarloOptions options;
+  options.runs = FLAGS_monte_carlo;
+  options.seed = static_cast<std::uint64_t>(FLAGS_seed);
+  options.threads = FLAGS_threads;
+  options.essential_ratio = FLAGS_r_sigma;
+  const std::string of_all = " of " + std::to_string(options.runs);
+  idim::Result<idim::MonteCarlo> monte_carlo =
+      RunMonteCarlo(prepared, *reference, idim::EstimatorNames(prepared.study.gains_mode), options,
+                    [&](int done) { progress->At("run " + std::to_string(done) + of_all); });
+  if (!monte_carlo.ok()) return monte_carlo.status();
+  comparison->monte_carlo = std::move(monte_carlo).value();
+  return Status::Ok();
+}
+
 Status Run(const std::string& study_path) {
+  if (Status flags = CheckMonteCarloFlags(); !flags.ok()) return flags;
   const idim::Result<std::vector<idim::Reference>> references = idim::ReadReferences(FLAGS_reference);
   if (!references.ok()) return references.status();
   const idim::Result<idim::Study> study = idim::ReadStudy(study_path);
@@ -52,12 +107,16 @@ Status Run(const std::string& study_path) {
   idim::Result<std::vector<idim::BiasTest>> bias = runner->TestBias();
   if (!bias.ok()) return bias.status();
   comparison.bias_tests = std::move(bias).value();
+  Status simulated = Status::Ok();
+  if (FLAGS_monte_carlo > 0) simulated = Simulate(*prepared, &progress, &comparison);
+  if (simulated.code() == idim::StatusCode::kBadInput) return simulated;
   const Status written = idim::WriteFiles(FLAGS_output, {{"comparison.json", idim::ComparisonToJson(comparison)},
                                                          {"report.html", idim::RenderComparisonReport(comparison)}});
   if (!written.ok()) return written;
   progress.Clear();
   std::cout << idim::ComparisonToText(comparison);
   std::cout << "\nwritten to " << FLAGS_output << ": comparison.json report.html\n";
+  if (!simulated.ok()) return simulated;
   if (any_usable) return Status::Ok();
   return Status::Untrusted("no estimator gives an estimate that can be trusted; the first says: " +
                            comparison.estimates.front().status.message());

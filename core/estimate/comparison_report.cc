@@ -8,6 +8,7 @@
 
 #include "core/base/text.h"
 #include "core/estimate/estimate_json.h"
+#include "core/estimate/monte_carlo_report.h"
 #include "core/report/report.h"
 
 namespace idim {
@@ -280,6 +281,7 @@ std::string ComparisonToText(const Comparison& comparison) {
     for (const GainDiagnosis& g : *diagnoses) text += "\n" + g.sentence;
     text += "\n";
   }
+  if (comparison.monte_carlo) text += "\n" + MonteCarloToText(*comparison.monte_carlo);
   return text;
 }
 
@@ -302,6 +304,7 @@ std::string ComparisonToJson(const Comparison& comparison) {
                                     {"sargan_p_value", t.sargan_p}});
     }
   }
+  if (comparison.monte_carlo) json["monte_carlo"] = MonteCarloJson(*comparison.monte_carlo);
   return json.dump(1) + "\n";
 }
 
@@ -347,6 +350,9 @@ std::string RenderComparisonReport(const Comparison& comparison) {
   report.sections.push_back(std::move(values));
   Section singular = SingularValues(estimates);
   if (!singular.blocks.empty()) report.sections.push_back(std::move(singular));
+  if (comparison.monte_carlo) {
+    for (Section& section : MonteCarloSections(*comparison.monte_carlo)) report.sections.push_back(std::move(section));
+  }
   return RenderReport(report);
 }
 

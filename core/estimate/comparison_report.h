@@ -9,6 +9,7 @@
 
 #include "core/estimate/bias_test.h"
 #include "core/estimate/estimate.h"
+#include "core/estimate/monte_carlo.h"
 #include "core/estimate/reference.h"
 
 namespace idim {
@@ -20,6 +21,7 @@ struct Comparison {
   std::vector<Reference> references;
   // Gains by the baseline that finds them one joint at a time; it has no other parameters and predicts nothing.
   std::optional<Estimate> sequential = std::nullopt;
+  std::optional<MonteCarlo> monte_carlo = std::nullopt;  // on data simulated from one of the estimates
 };
 
 // Errors and verdicts, then a line a parameter, and for each estimator with numbers its value, relative standard

@@ -42,16 +42,34 @@ struct TimeFigure {
   std::string link = "";
 };
 
+// Where values are expected: a dashed line in a pale band, such as a nominal coverage and what chance makes of it.
+struct ReferenceBand {
+  std::string name;  // at the line
+  double value = 0.0;
+  double lower = 0.0, upper = 0.0;  // lower <= value <= upper
+};
+
 // A cloud of points, such as residual over velocity.
 struct ScatterFigure {
   struct Points {
     std::string name;
     Eigen::VectorXd x, y;  // N each
     SeriesColor color = SeriesColor::kModel;
+    std::vector<std::string> labels = {};  // N or none: what a point is
+  };
+  // y = slope * x, dashed; slope > 0.
+  struct Ray {
+    std::string name;
+    double slope = 1.0;
   };
   std::string title;
   std::string x_title, y_title;
   std::vector<Points> sets;
+  bool logarithmic = false;                  // both axes; points that are not positive are gaps
+  bool show_labels = false;                  // beside the points, not only under the pointer
+  std::vector<std::string> categories = {};  // names of x = 0, 1, ... where x is no quantity; not logarithmic then
+  std::vector<Ray> rays = {};
+  std::optional<ReferenceBand> band = std::nullopt;  // of y
 };
 
 // Point estimates with intervals, a row a parameter; several sets (estimators, a published table) side by side.
@@ -74,6 +92,7 @@ struct IntervalFigure {
   Scale scale = Scale::kValue;
   // Ends of the value axis, in units of the scale; what lies beyond is marked by an arrow. Absent: all that there is.
   std::optional<std::pair<double, double>> limits = std::nullopt;
+  std::optional<ReferenceBand> band = std::nullopt;  // of the values, in units of the scale
   bool vertical = false;  // false: intervals lie, names stand in a column; true: intervals stand, for few short names
 };
 
@@ -90,7 +109,30 @@ struct BarFigure {
   std::vector<Bars> sets;
 };
 
-using Figure = std::variant<TimeFigure, ScatterFigure, IntervalFigure, BarFigure>;
+// How often values fall into bins of equal width, a curve of steps a set; every set in percent of its own finite
+// values, so that sets of different size can be compared.
+struct HistogramFigure {
+  struct Values {
+    std::string name;
+    Eigen::VectorXd value;  // N, in any order; those that are not finite do not count
+    SeriesColor color = SeriesColor::kModel;
+  };
+  // A vertical line, such as the true value.
+  struct Mark {
+    std::string name;
+    double value = 0.0;
+  };
+  std::string title;
+  std::string x_title;
+  std::vector<Values> sets;
+  std::optional<Mark> mark = std::nullopt;
+  // Ends of the bins; the legend tells how much of a set lies beyond. Absent: from the least value to the greatest.
+  std::optional<std::pair<double, double>> limits = std::nullopt;
+  int bins = 60;                 // >= 1
+  bool standard_normal = false;  // dashed: what a standard normal variable gives in the same bins
+};
+
+using Figure = std::variant<TimeFigure, ScatterFigure, IntervalFigure, BarFigure, HistogramFigure>;
 
 }  // namespace idim
 

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <boost/archive/iterators/base64_from_binary.hpp>
 #include <boost/archive/iterators/transform_width.hpp>
 #include <boost/endian/conversion.hpp>
@@ -84,6 +85,32 @@ json Numbers(const Eigen::VectorXd& values) {
   return array;
 }
 
+json BandJson(const ReferenceBand& band) {
+  CHECK_LE(band.lower, band.value) << band.name;
+  CHECK_LE(band.value, band.upper) << band.name;
+  return {{"name", band.name}, {"value", band.value}, {"lower", band.lower}, {"upper", band.upper}};
+}
+
+// Of the bins: the limits, else the least and the greatest value, made wider where there is no width.
+std::pair<double, double> BinRange(const HistogramFigure& figure) {
+  if (figure.limits) {
+    CHECK_LT(figure.limits->first, figure.limits->second) << figure.title;
+    return *figure.limits;
+  }
+  double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+  for (const HistogramFigure::Values& set : figure.sets) {
+    for (const double value : set.value) {
+      if (!std::isfinite(value)) continue;
+      lower = std::min(lower, value);
+      upper = std::max(upper, value);
+    }
+  }
+  if (!(lower <= upper)) return {0.0, 1.0};
+  if (lower < upper) return {lower, upper};
+  const double half = lower == 0.0 ? 0.5 : 0.05 * std::abs(lower);
+  return {lower - half, upper + half};
+}
+
 class Converter {
  public:
   explicit Converter(SamplePool* pool) : pool_(*pool) {}
@@ -109,10 +136,23 @@ class Converter {
                         {"color", ColorName(set.color)},
                         {"x", pool_.AddSingle(set.x)},
                         {"y", pool_.AddSingle(set.y)}});
+      if (set.labels.empty()) continue;
+      CHECK_EQ(static_cast<Eigen::Index>(set.labels.size()), set.x.size()) << figure.title << ": " << set.name;
+      series.back()["labels"] = set.labels;
     }
-    return {figure.title,
-            kPlotHeight,
-            {{"kind", "scatter"}, {"xTitle", figure.x_title}, {"yTitle", figure.y_title}, {"series", series}}};
+    json spec = {{"kind", "scatter"}, {"xTitle", figure.x_title}, {"yTitle", figure.y_title}, {"series", series}};
+    if (figure.logarithmic) {
+      CHECK(figure.categories.empty()) << figure.title;
+      spec["logarithmic"] = true;
+    }
+    if (figure.show_labels) spec["showLabels"] = true;
+    if (!figure.categories.empty()) spec["categories"] = figure.categories;
+    for (const ScatterFigure::Ray& ray : figure.rays) {
+      CHECK_GT(ray.slope, 0.0) << figure.title;
+      spec["rays"].push_back({{"name", ray.name}, {"slope", ray.slope}});
+    }
+    if (figure.band) spec["band"] = BandJson(*figure.band);
+    return {figure.title, kPlotHeight, spec};
   }
 
   FigureJson operator()(const IntervalFigure& figure) {
@@ -139,6 +179,7 @@ class Converter {
       CHECK_LT(figure.limits->first, figure.limits->second) << figure.title;
       spec["limits"] = {figure.limits->first, figure.limits->second};
     }
+    if (figure.band) spec["band"] = BandJson(*figure.band);
     return {figure.title, height, spec};
   }
 
@@ -155,6 +196,41 @@ class Converter {
              {"xTitle", figure.x_title},
              {"yTitle", figure.y_title},
              {"series", series}}};
+  }
+
+  FigureJson operator()(const HistogramFigure& figure) {
+    CHECK_GE(figure.bins, 1) << figure.title;
+    const auto [lower, upper] = BinRange(figure);
+    const double width = (upper - lower) / figure.bins;
+    json series = json::array();
+    for (const HistogramFigure::Values& set : figure.sets) {
+      Eigen::VectorXd percent = Eigen::VectorXd::Zero(figure.bins);
+      int count = 0, inside = 0;
+      for (const double value : set.value) {
+        if (!std::isfinite(value)) continue;
+        ++count;
+        if (value < lower || value > upper) continue;
+        ++inside;
+        // The last bin holds its upper end.
+        percent[std::min(static_cast<int>((value - lower) / width), figure.bins - 1)] += 1.0;
+      }
+      if (count > 0) percent *= 100.0 / count;
+      series.push_back({{"name", set.name},
+                        {"color", ColorName(set.color)},
+                        {"count", count},
+                        {"beyond", count - inside},
+                        {"percent", Numbers(percent)}});
+    }
+    json spec = {
+        {"kind", "histogram"}, {"xTitle", figure.x_title}, {"lower", lower}, {"width", width}, {"series", series}};
+    if (figure.mark) spec["mark"] = {{"name", figure.mark->name}, {"value", figure.mark->value}};
+    if (figure.standard_normal) {
+      Eigen::VectorXd expected(figure.bins);
+      const auto below = [&](int edge) { return 0.5 * std::erfc(-(lower + edge * width) / std::sqrt(2.0)); };
+      for (int k = 0; k < figure.bins; ++k) expected[k] = 100.0 * (below(k + 1) - below(k));
+      spec["expected"] = Numbers(expected);
+    }
+    return {figure.title, kPlotHeight, spec};
   }
 
  private:

@@ -127,6 +127,19 @@ function nearest(t, x) {
   return x - t[low] <= t[high] - x ? low : high;
 }
 
+// A band of expected values with its line, along one axis: the markers of a series that carries nothing else.
+function bandMarks(band, key) {
+  return {
+    markArea: {
+      silent: true, itemStyle: {color: 'rgba(31, 35, 40, 0.10)'}, data: [[{[key]: band.lower}, {[key]: band.upper}]],
+    },
+    markLine: {
+      silent: true, symbol: 'none', lineStyle: {color: ink, type: 'dashed', width: 1},
+      label: {formatter: () => band.name, color: ink, fontSize: 11, position: 'insideEndTop'}, data: [{[key]: band.value}],
+    },
+  };
+}
+
 // ---- Kinds of figures ----
 
 // First and last time over all figures of a link, so that equal zooms are equal times.
@@ -169,24 +182,58 @@ const options = {
 
   scatter(spec) {
     const option = base(spec);
-    option.tooltip.formatter = (hit) => tooltipTable(hit.seriesName, [
-      [hit.color, spec.xTitle, number(hit.value[0])], [hit.color, spec.yTitle, number(hit.value[1])]]);
+    option.tooltip.formatter = (hit) => tooltipTable(hit.name ? `${hit.seriesName}: ${hit.name}` : hit.seriesName, [
+      ...(spec.categories ? [] : [[hit.color, spec.xTitle, number(hit.value[0])]]),
+      [hit.color, spec.yTitle, number(hit.value[1])]]);
     option.toolbox.feature = {
       dataZoom: {title: {zoom: 'zoom', back: 'back'}}, ...option.toolbox.feature};
-    option.xAxis = valueAxis(spec.xTitle);
-    option.yAxis = valueAxis(spec.yTitle, {nameGap: 40});
+    const log = spec.logarithmic ? {type: 'log', minorSplitLine: {show: false}} : {};
+    option.xAxis = valueAxis(spec.xTitle, log);
+    option.yAxis = valueAxis(spec.yTitle, {nameGap: 40, ...log});
+    if (spec.categories) {
+      Object.assign(option.xAxis, {
+        min: -0.5, max: spec.categories.length - 0.5, interval: 0.5, splitLine: {show: false}, axisTick: {show: false}});
+      // Ticks at halves, so that the whole numbers are among them whatever the ends.
+      option.xAxis.axisLabel = {...option.xAxis.axisLabel, hideOverlap: false,
+        formatter: (x) => (Number.isInteger(x) ? spec.categories[x] ?? '' : '')};
+    }
     option.dataZoom = [
       {type: 'inside', xAxisIndex: 0, filterMode: 'none', zoomOnMouseWheel: 'ctrl'},
       {type: 'inside', yAxisIndex: 0, filterMode: 'none', zoomOnMouseWheel: 'ctrl'},
     ];
+    const drawable = (x, y) => Number.isFinite(x) && Number.isFinite(y) && (!spec.logarithmic || (x > 0 && y > 0));
+    const seen = [];
     option.series = spec.series.map((s) => {
+      const x = samples(s.x);
       const y = samples(s.y);
       requireData(y, s.name);
+      if (spec.rays) for (let i = 0; i < x.length; ++i) if (drawable(x[i], y[i])) seen.push(x[i]);
+      if (!s.labels && !spec.logarithmic) {
+        return {
+          type: 'scatter', name: s.name, data: interleave(x, y), large: true, largeThreshold: 2000,
+          progressive: 0, symbolSize: y.length > 2000 ? 2 : 5, itemStyle: {opacity: y.length > 2000 ? 0.45 : 0.8},
+        };
+      }
+      const points = [];
+      for (let i = 0; i < x.length; ++i) {
+        if (drawable(x[i], y[i])) points.push({name: s.labels ? s.labels[i] : '', value: [x[i], y[i]]});
+      }
       return {
-        type: 'scatter', name: s.name, data: interleave(samples(s.x), y), large: true, largeThreshold: 2000,
-        progressive: 0, symbolSize: y.length > 2000 ? 2 : 5, itemStyle: {opacity: y.length > 2000 ? 0.45 : 0.8},
+        type: 'scatter', name: s.name, data: points, symbolSize: spec.showLabels ? 8 : 5, itemStyle: {opacity: 0.8},
+        label: {show: Boolean(spec.showLabels), formatter: '{b}', position: 'right', distance: 3, color: ink, fontSize: 10},
+        labelLayout: {hideOverlap: true},
       };
     });
+    if (spec.band) Object.assign(option.series[0], bandMarks(spec.band, 'yAxis'));
+    // Over as many decades as the points take.
+    const ends = [10 ** Math.floor(Math.log10(Math.min(...seen))), 10 ** Math.ceil(Math.log10(Math.max(...seen)))];
+    for (const ray of (seen.length > 0 && spec.rays) || []) {
+      option.series.push({
+        type: 'line', data: ends.map((x) => [x, ray.slope * x]), showSymbol: false, silent: true, z: 1,
+        lineStyle: {color: ink, type: 'dashed', width: 1}, emphasis: {disabled: true}, tooltip: {show: false},
+        endLabel: {show: true, formatter: () => ray.name, color: ink, fontSize: 11, align: 'right', offset: [-6, 10]},
+      });
+    }
     return option;
   },
 
@@ -214,7 +261,7 @@ const options = {
     option.series = spec.series.map((s, k) => {
       requireData(s.value.map((v) => v ?? NaN), s.name);
       return {
-        markLine: k === 0 ? zero : undefined,
+        ...(k > 0 ? {} : spec.band ? bandMarks(spec.band, spec.vertical ? 'yAxis' : 'xAxis') : {markLine: zero}),
         type: 'custom', name: s.name, renderItem: intervalItem(k, spec), clip: true,
         data: spec.parameters.map((_, i) => [i, scaled(s.value, i), scaled(s.lower, i), scaled(s.upper, i)]),
         encode: spec.vertical ? {x: 0, y: [1, 2, 3]} : {x: [1, 2, 3], y: 0},
@@ -240,6 +287,45 @@ const options = {
         labelLayout: {hideOverlap: true},
       };
     });
+    return option;
+  },
+
+  histogram(spec) {
+    const option = base(spec);
+    const edge = (i) => spec.lower + i * spec.width;
+    const bins = spec.series[0].percent.length;
+    const title = (s) => (s.beyond > 0 ? `${s.name} (${s.beyond} of ${s.count} beyond)` : s.name);
+    option.legend.data = spec.series.map(title);
+    option.tooltip.trigger = 'axis';
+    option.tooltip.formatter = (hits) => {
+      const i = Math.min(Math.max(Math.floor((hits[0].axisValue - spec.lower) / spec.width), 0), bins - 1);
+      return tooltipTable(`${number(edge(i))} to ${number(edge(i + 1))}`,
+        spec.series.map((s) => [colors[s.color], s.name, number(s.percent[i]) + ' %']));
+    };
+    option.xAxis = valueAxis(spec.xTitle, {min: edge(0), max: edge(bins), splitLine: {show: false},
+      axisLabel: {color: ink, fontSize: 12, hideOverlap: true, formatter: number, showMinLabel: false,
+        showMaxLabel: false}});
+    option.yAxis = valueAxis('share [%]', {scale: false, min: 0, nameGap: 40});
+    // A step holds until the next edge; down to zero at both ends.
+    const steps = (percent) => [
+      [edge(0), 0], ...percent.map((p, i) => [edge(i), p]), [edge(bins), percent[bins - 1]], [edge(bins), 0]];
+    const line = {type: 'line', step: 'end', showSymbol: false, emphasis: {disabled: true}};
+    option.series = spec.series.map((s, k) => {
+      if (s.count === 0) throw new Error('no data in ' + s.name);
+      const mark = {
+        silent: true, symbol: 'none', lineStyle: {color: ink, type: 'dashed', width: 1.2},
+        label: {formatter: () => spec.mark.name, color: ink, fontSize: 11, position: 'insideEndTop'},
+        data: spec.mark && [{xAxis: spec.mark.value}],
+      };
+      return {
+        ...line, name: title(s), data: steps(s.percent), lineStyle: {width: 1.4}, areaStyle: {opacity: 0.12},
+        markLine: spec.mark && k === 0 ? mark : undefined,
+      };
+    });
+    if (spec.expected) {
+      option.series.push({...line, data: steps(spec.expected), silent: true, color: ink,
+        lineStyle: {color: ink, type: 'dashed', width: 1.2}});
+    }
     return option;
   },
 };

@@ -17,9 +17,9 @@ namespace idim {
 
 // Colours by meaning, so that a curve looks the same in every figure of every report. Measured red and model blue are
 // those of Fig. 2 of Gautier & Briot (2014), in tones that stay apart for the colour-blind (Tol's vibrant scheme).
-enum class SeriesColor { kMeasured, kModel, kResidual, kOrange, kTeal, kPurple };
+enum class SeriesColor { kMeasured, kModel, kResidual, kOrange, kTeal, kPurple, kCyan };
 
-// For what is compared side by side: the k-th of a set of colours that stay apart, from the start again after six.
+// For what is compared side by side: the k-th of a set of colours that stay apart, from the start again after seven.
 inline SeriesColor ColorOfSet(std::size_t k) {
   constexpr SeriesColor kColors[] = {SeriesColor::kModel, SeriesColor::kMeasured, SeriesColor::kOrange,
                                      SeriesColor::kTeal,  SeriesColor::kPurple,   SeriesColor::kResidual};

@@ -73,6 +73,8 @@ const char* ColorName(SeriesColor color) {
       return "teal";
     case SeriesColor::kPurple:
       return "purple";
+    case SeriesColor::kCyan:
+      return "cyan";
   }
   LOG(FATAL) << "unknown series colour";
   return "";

@@ -16,6 +16,7 @@ document.addEventListener('securitypolicyviolation', countError);
 // Tol's vibrant scheme, grey darkened.
 const colors = {
   measured: '#cc3311', model: '#0077bb', residual: '#666b70', orange: '#ee7733', teal: '#009988', purple: '#882277',
+  cyan: '#33bbee',
 };
 const ink = '#1f2328';
 const fontFamily = getComputedStyle(document.body).fontFamily;
@@ -84,20 +85,35 @@ function tooltipTable(heading, rows) {
 
 // ---- What all figures share ----
 
-function base(spec) {
+// Rows that a legend takes in a figure of half the page's width, where it shares its line with the toolbox.
+function legendRows(names) {
+  let rows = 1;
+  let used = 0;
+  for (const name of names) {
+    const width = 30 + 6.8 * name.length;
+    if (used > 0 && used + width > 560) {
+      ++rows;
+      used = 0;
+    }
+    used += width;
+  }
+  return rows;
+}
+
+function base(spec, names = spec.series.map((s) => s.name)) {
   return {
     animation: false,
     textStyle: {fontFamily, color: ink, fontSize: 12},
     color: spec.series.map((s) => colors[s.color]),
     legend: {
       top: 0, left: 8, itemWidth: 14, itemHeight: 8, itemGap: 8, icon: spec.kind === 'time' ? 'roundRect' : undefined,
-      textStyle: {color: ink, fontSize: 12}, data: spec.series.map((s) => s.name),
+      textStyle: {color: ink, fontSize: 12}, data: names,
     },
     tooltip: {confine: true, textStyle: {color: ink, fontSize: 12}, padding: [4, 8]},
     toolbox: {
       right: 6, top: -12, itemSize: 13, feature: {saveAsImage: {title: 'save', name: spec.title, pixelRatio: 2}},
     },
-    grid: {left: 14, right: 16, top: 34, bottom: 10, outerBoundsMode: 'same', outerBoundsContain: 'all'},
+    grid: {left: 14, right: 16, top: 14 + 20 * legendRows(names), bottom: 10, outerBoundsMode: 'same', outerBoundsContain: 'all'},
   };
 }
 
@@ -135,7 +151,7 @@ function bandMarks(band, key) {
     },
     markLine: {
       silent: true, symbol: 'none', lineStyle: {color: ink, type: 'dashed', width: 1},
-      label: {formatter: () => band.name, color: ink, fontSize: 11, position: 'insideEndTop'}, data: [{[key]: band.value}],
+      label: {formatter: () => band.name, color: ink, fontSize: 11, position: 'end', distance: 4}, data: [{[key]: band.value}],
     },
   };
 }
@@ -224,14 +240,18 @@ const options = {
         labelLayout: {hideOverlap: true},
       };
     });
-    if (spec.band) Object.assign(option.series[0], bandMarks(spec.band, 'yAxis'));
+    if (spec.band) {
+      Object.assign(option.series[0], bandMarks(spec.band, 'yAxis'));
+      option.grid.right = 44;
+    }
     // Over as many decades as the points take.
     const ends = [10 ** Math.floor(Math.log10(Math.min(...seen))), 10 ** Math.ceil(Math.log10(Math.max(...seen)))];
     for (const ray of (seen.length > 0 && spec.rays) || []) {
+      const label = {show: true, formatter: () => ray.name, color: ink, fontSize: 11, position: 'right', offset: [2, 9]};
       option.series.push({
-        type: 'line', data: ends.map((x) => [x, ray.slope * x]), showSymbol: false, silent: true, z: 1,
-        lineStyle: {color: ink, type: 'dashed', width: 1}, emphasis: {disabled: true}, tooltip: {show: false},
-        endLabel: {show: true, formatter: () => ray.name, color: ink, fontSize: 11, align: 'right', offset: [-6, 10]},
+        type: 'line', silent: true, z: 1, symbol: 'circle', symbolSize: 1, color: ink, emphasis: {disabled: true},
+        data: ends.map((x, i) => ({value: [x, ray.slope * x], label: i === 0 ? label : {show: false}})),
+        lineStyle: {color: ink, type: 'dashed', width: 1}, tooltip: {show: false},
       });
     }
     return option;
@@ -291,11 +311,13 @@ const options = {
   },
 
   histogram(spec) {
-    const option = base(spec);
+    const title = (s) => {
+      const share = 100 * s.beyond / s.count;
+      return s.beyond > 0 ? `${s.name} (${share < 1 ? '<1' : share.toFixed(0)} % beyond)` : s.name;
+    };
+    const option = base(spec, spec.series.map(title));
     const edge = (i) => spec.lower + i * spec.width;
     const bins = spec.series[0].percent.length;
-    const title = (s) => (s.beyond > 0 ? `${s.name} (${s.beyond} of ${s.count} beyond)` : s.name);
-    option.legend.data = spec.series.map(title);
     option.tooltip.trigger = 'axis';
     option.tooltip.formatter = (hits) => {
       const i = Math.min(Math.max(Math.floor((hits[0].axisValue - spec.lower) / spec.width), 0), bins - 1);
@@ -314,7 +336,7 @@ const options = {
       if (s.count === 0) throw new Error('no data in ' + s.name);
       const mark = {
         silent: true, symbol: 'none', lineStyle: {color: ink, type: 'dashed', width: 1.2},
-        label: {formatter: () => spec.mark.name, color: ink, fontSize: 11, position: 'insideEndTop'},
+        label: {formatter: () => spec.mark.name, color: ink, fontSize: 11, position: 'end', distance: 3},
         data: spec.mark && [{xAxis: spec.mark.value}],
       };
       return {

@@ -136,6 +136,92 @@ TEST_F(IdimCompare, SameInputSameBytes) {
   }
 }
 
+// Without "seconds", the one thing that is measured anew.
+Json WithoutSeconds(Json comparison) {
+  for (Json& e : comparison.at("estimates")) e.erase("seconds");
+  return comparison;
+}
+
+TEST_F(IdimCompare, MonteCarloSameSeedSameBytesOnAnyNumberOfThreads) {
+  const std::string study = testing::SyntheticStudy(testing::kIdentifyGains);
+  std::string json, report, out;
+  for (const char* threads : {"1", "2"}) {
+    const testing::ProgramRun run = Run(study, std::string("--monte_carlo=4 --seed=3 --threads=") + threads);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.err, "") << "progress is for terminals";
+    const std::string again[3] = {WithoutSeconds(Comparison()).dump(), testing::ReadText(folder_ / "out/report.html"),
+                                  run.out};
+    if (*threads == '1') {
+      json = again[0], report = again[1], out = again[2];
+      continue;
+    }
+    EXPECT_TRUE(json == again[0]);
+    EXPECT_TRUE(report == again[1]);
+    EXPECT_TRUE(out == again[2]);
+  }
+  const Json comparison = Comparison();
+  const Json& monte_carlo = comparison.at("monte_carlo");
+  EXPECT_EQ(monte_carlo.at("runs"), 4);
+  EXPECT_EQ(monte_carlo.at("seed"), 3);
+  // The truth is the last estimate that can be trusted.
+  const std::string reference = monte_carlo.at("reference");
+  std::string last;
+  for (const Json& e : comparison.at("estimates")) {
+    if (e.at("status") == "ok") last = e.at("estimator");
+  }
+  EXPECT_EQ(reference, last);
+  const std::vector<std::string> names = Names(comparison);
+  ASSERT_EQ(monte_carlo.at("estimators").size(), names.size());
+  for (size_t k = 0; k < names.size(); ++k) {
+    const Json& e = monte_carlo.at("estimators").at(k);
+    EXPECT_EQ(e.at("estimator"), names[k]);
+    EXPECT_TRUE(e.at("failures").is_number_integer());
+    ASSERT_EQ(e.at("parameters").size(), 76u);
+    for (const Json& p : e.at("parameters")) {
+      for (const char* key : {"name", "truth", "bias", "standard_deviation", "rmse", "coverage95"}) {
+        EXPECT_TRUE(p.contains(key)) << key;
+      }
+    }
+    for (const Json& estimate : comparison.at("estimates")) {
+      if (estimate.at("estimator") != reference) continue;
+      EXPECT_EQ(e.at("parameters").at(0).at("truth"), estimate.at("parameters").at(0).at("value"));
+    }
+  }
+  // LS shrinks every gain on such data, whatever the seed.
+  const Json& g1 = monte_carlo.at("estimators").at(0).at("parameters").at(0);
+  EXPECT_LT(g1.at("bias").get<double>(), -0.1 * g1.at("truth").get<double>());
+  EXPECT_THAT(out, HasSubstr("Monte Carlo: 4 runs, seed 3"));
+
+  ASSERT_EQ(Run(study, "--monte_carlo=4 --seed=4").exit_code, 0);
+  EXPECT_NE(Comparison().at("monte_carlo").at("estimators").at(0).at("parameters").at(0).at("bias"), g1.at("bias"));
+}
+
+TEST_F(IdimCompare, MonteCarloWithKnownGains) {
+  testing::SmallStudy study;
+  study.flags = "--monte_carlo=3";
+  const testing::ProgramRun run = testing::RunProgram("idim_compare", study.Arguments());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json comparison = testing::ReadJson(study.folder / "out/comparison.json");
+  EXPECT_EQ(comparison.at("monte_carlo").at("estimators").size(), 3u);
+  EXPECT_EQ(comparison.at("monte_carlo").at("reference"), "eiv");
+  EXPECT_TRUE(comparison.at("monte_carlo").at("estimators").at(0).at("nees_gains").is_null());
+  EXPECT_THAT(run.out, HasSubstr("Monte Carlo: 3 runs, seed 1"));
+}
+
+// Nothing to simulate from: the comparison is written, without it, and the exit code says why.
+TEST_F(IdimCompare, MonteCarloWithoutAnEstimateToTrust) {
+  testing::SmallStudy study;
+  study.csv = testing::SmallCsv();
+  study.flags = "--monte_carlo=3";
+  // One joint's worth of data cannot tell the parameters of two: three rows.
+  study.csv = study.csv.substr(0, study.csv.find("0.300,"));
+  const testing::ProgramRun run = testing::RunProgram("idim_compare", study.Arguments());
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("--monte_carlo: no estimator gives an estimate that can be trusted"));
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  EXPECT_FALSE(testing::ReadJson(study.folder / "out/comparison.json").contains("monte_carlo"));
+}
+
 TEST_F(IdimCompare, KnownGainsHaveThreeEstimators) {
   testing::SmallStudy study;
   const testing::ProgramRun run = testing::RunProgram("idim_compare", study.Arguments());
@@ -171,6 +257,10 @@ TEST_F(IdimCompare, BadInputIsOneMessageAndNoFile) {
       {testing::SyntheticStudy("gains: {mode: identify}\npayload: 3"), "", {"payload", "payloads"}},
       {testing::SyntheticStudy(testing::kIdentifyGains), "--r_sigma=0.3", {"--r_sigma", "0.3"}},
       {testing::SyntheticStudy(testing::kIdentifyGains), "--reference=nowhere.json", {"nowhere.json"}},
+      {testing::SyntheticStudy(testing::kIdentifyGains), "--monte_carlo=1", {"--monte_carlo=1", "at least 2"}},
+      {testing::SyntheticStudy(testing::kIdentifyGains), "--monte_carlo=-5", {"--monte_carlo=-5", "at least 2"}},
+      {testing::SyntheticStudy(testing::kIdentifyGains), "--seed=-1", {"--seed=-1", "at least 0"}},
+      {testing::SyntheticStudy(testing::kIdentifyGains), "--monte_carlo=4 --threads=0", {"--threads=0", "at least 1"}},
   };
   for (const auto& row : table) {
     const testing::ProgramRun run = Run(row.study, row.flags);
@@ -198,6 +288,12 @@ TEST_F(IdimCompare, ReportIsDrawnWholeInABrowser) {
   ASSERT_TRUE(drawn.ok()) << drawn.status().message();
   EXPECT_EQ(drawn->figures_expected, 6 + 1 + 4) << "a gain each, parameters, singular values of four estimators";
   EXPECT_TRUE(drawn->AllDrawn()) << drawn->figures_drawn << " drawn, " << drawn->script_errors << " errors";
+
+  ASSERT_EQ(Run(testing::SyntheticStudy(testing::kIdentifyGains), "--monte_carlo=3").exit_code, 0);
+  const auto simulated = testing::OpenReport(*chromium, folder_ / "out/report.html");
+  ASSERT_TRUE(simulated.ok()) << simulated.status().message();
+  EXPECT_EQ(simulated->figures_expected, 11 + 4 + 6) << "bias and spread, coverage, errors, scores; a histogram a gain";
+  EXPECT_TRUE(simulated->AllDrawn()) << simulated->figures_drawn << " drawn, " << simulated->script_errors << " errors";
 }
 
 // Plain LS and TLS were found useless on this arm by others (datasets/README of the recordings): 2.9 and 56 N m/A for

@@ -118,6 +118,42 @@ inline Report DemoReport(int joints, int samples) {
   estimates.blocks.push_back(FigureGrid{2, {error, gains}});
   estimates.blocks.push_back(FigureGrid{1, {all}});
   estimates.blocks.push_back(table);
+
+  ScatterFigure spread;
+  spread.title = "Bias against spread";
+  spread.x_title = "spread [%]";
+  spread.y_title = "bias [%]";
+  spread.logarithmic = true;
+  spread.show_labels = true;
+  spread.rays = {{"bias = spread", 1.0}};
+  spread.sets = {{"one",
+                  Eigen::Vector3d(0.1, 2.0, 30.0),
+                  Eigen::Vector3d(0.01, 5.0, 0.0),
+                  SeriesColor::kCyan,
+                  {"g1", "g2", "g3"}}};
+  ScatterFigure coverage;
+  coverage.title = "Coverage";
+  coverage.y_title = "coverage [%]";
+  coverage.categories = {"least squares", "errors in variables"};
+  coverage.band = ReferenceBand{"95 %", 95.0, 92.0, 98.0};
+  coverage.sets = {{"gains",
+                    Eigen::Vector3d(0.0, 0.9, 1.1),
+                    Eigen::Vector3d(20.0, 94.0, 97.0),
+                    SeriesColor::kModel,
+                    {"g1", "g1", "g2"}}};
+  HistogramFigure histogram;
+  histogram.title = "Scores";
+  histogram.x_title = "score";
+  histogram.mark = HistogramFigure::Mark{"truth", 0.2};
+  histogram.limits = {-2.0, 2.0};
+  histogram.bins = 20;
+  histogram.standard_normal = true;
+  Eigen::VectorXd scores(300);
+  for (double& score : scores) score = noise() + noise() + noise() + noise() + 3.0 * noise();
+  histogram.sets = {{"estimates", scores, SeriesColor::kOrange}};
+  Section& runs = report.sections.emplace_back();
+  runs.title = "Monte Carlo";
+  runs.blocks.push_back(FigureGrid{2, {spread, coverage, histogram}});
   return report;
 }
 

@@ -68,10 +68,10 @@ TimeFigure Ramp() {
 
 TEST_F(ReportBrowserTest, DrawsEveryFigureOfAWholeRecording) {
   const DrawnReport drawn = Open(RenderReport(DemoReport(6, 45000)));
-  EXPECT_EQ(drawn.figures_expected, 6 + 6 + 3);  // torque and scatter by joint, errors, gains, parameters
+  EXPECT_EQ(drawn.figures_expected, 6 + 6 + 3 + 3);  // torque and scatter by joint, errors, gains, parameters, runs
   EXPECT_EQ(drawn.figures_drawn, drawn.figures_expected);
   EXPECT_EQ(drawn.script_errors, 0);
-  EXPECT_THAT(drawn.figure_drawn, ::testing::AllOf(::testing::SizeIs(15), ::testing::Each(true)));
+  EXPECT_THAT(drawn.figure_drawn, ::testing::AllOf(::testing::SizeIs(18), ::testing::Each(true)));
   EXPECT_TRUE(drawn.AllDrawn());
 }
 
@@ -98,6 +98,27 @@ TEST_F(ReportBrowserTest, DrawsAcrossGapsAndWithoutIntervals) {
   EXPECT_TRUE(Open(RenderReport(OneFigure(points))).AllDrawn());
 }
 
+// What a study of simulated runs may come to: a set without spread, one wholly beyond the limits, no positive number.
+TEST_F(ReportBrowserTest, DrawsHistogramsAndBands) {
+  HistogramFigure constant{"constant", "x", {{"same", Eigen::VectorXd::Constant(5, 3.0), SeriesColor::kModel}}};
+  EXPECT_TRUE(Open(RenderReport(OneFigure(constant))).AllDrawn());
+  HistogramFigure beyond{"beyond",
+                         "x",
+                         {{"far", Eigen::VectorXd::Constant(5, 30.0), SeriesColor::kModel},
+                          {"near", Eigen::Vector3d(0.1, 0.2, 0.9), SeriesColor::kOrange}}};
+  beyond.limits = {0.0, 1.0};
+  EXPECT_TRUE(Open(RenderReport(OneFigure(beyond))).AllDrawn());
+  IntervalFigure band{"band",
+                      "value",
+                      {"a"},
+                      {{"set", Eigen::VectorXd::Ones(1), Eigen::VectorXd::Zero(1), Eigen::VectorXd::Constant(1, 2.0)}}};
+  band.band = ReferenceBand{"nominal", 1.0, 0.8, 1.2};
+  EXPECT_TRUE(Open(RenderReport(OneFigure(band))).AllDrawn());
+  ScatterFigure nothing{"nothing", "x", "y", {{"set", Eigen::Vector2d(-1, -2), Eigen::Vector2d(1, 2)}}};
+  nothing.logarithmic = true;
+  EXPECT_EQ(Open(RenderReport(OneFigure(nothing))).figures_drawn, 0);
+}
+
 TEST_F(ReportBrowserTest, SeesAFigureWithCorruptSamples) {
   const std::string html = RenderReport(DemoReport(2, 100));
   // The first vector that is not the time: the measured torque of joint 1, in one figure only.
@@ -106,10 +127,10 @@ TEST_F(ReportBrowserTest, SeesAFigureWithCorruptSamples) {
   std::string corrupt = html;
   corrupt.erase(begin, 8);
   const DrawnReport drawn = Open(corrupt);
-  EXPECT_EQ(drawn.figures_expected, 2 + 2 + 3);
+  EXPECT_EQ(drawn.figures_expected, 2 + 2 + 3 + 3);
   EXPECT_EQ(drawn.figures_drawn, drawn.figures_expected - 1);
   EXPECT_GE(drawn.script_errors, 1);
-  EXPECT_THAT(drawn.figure_drawn, ::testing::ElementsAre(false, true, true, true, true, true, true));
+  EXPECT_THAT(drawn.figure_drawn, ::testing::ElementsAre(false, true, true, true, true, true, true, true, true, true));
   EXPECT_FALSE(drawn.AllDrawn());
 }
 

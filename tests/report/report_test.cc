@@ -116,7 +116,8 @@ TEST(ReportTest, EqualVectorsAreHeldOnce) {
     ++vectors;
   }
   // One time; measured, modelled, residual and velocity by joint (the residual in two figures).
-  EXPECT_EQ(vectors, 1 + 4 * 6);
+  // And x and y of two scatters.
+  EXPECT_EQ(vectors, 1 + 4 * 6 + 4);
 }
 
 TEST(ReportTest, AWholeRecordingStaysBelowTwelveMegabytes) {
@@ -167,7 +168,7 @@ TEST(ReportTest, ScriptsEndWhereTheyShould) {
   std::size_t close = 0;
   for (std::size_t at = 0; (at = html.find("</script", at)) != std::string::npos; ++at) ++close;
   EXPECT_EQ(open, close);
-  EXPECT_EQ(close, 1u + 4u * 2u + 3u);  // samples, specifications, ECharts, ours
+  EXPECT_EQ(close, 1u + 4u * 2u + 4u + 3u);  // samples, specifications, ECharts, ours
 }
 
 TEST(ReportTest, BytesThatAreNotUtf8DoNotThrow) {
@@ -226,6 +227,51 @@ TEST(ReportTest, IntervalsSayWhatTheyAreDividedBy) {
   EXPECT_EQ(spec.at("series").at(1).at("value"), nlohmann::json::parse("[-4.0, 1.0]"));
 }
 
+// Bins [0, 1), [1, 2), [2, 3), [3, 4]; the last holds its upper end, what is not finite does not count.
+TEST(ReportTest, HistogramCountsByHand) {
+  Eigen::VectorXd values(11);
+  values << 0.0, 0.5, 1.0, 2.9, 3.0, 4.0, 4.0, -0.1, 4.1, 77.0, std::nan("");
+  HistogramFigure figure{"h", "x", {{"set", values, SeriesColor::kModel}}};
+  figure.limits = {0.0, 4.0};
+  figure.bins = 4;
+  const nlohmann::json spec = Specs(RenderFigure(figure)).at(0);
+  EXPECT_EQ(spec.at("kind"), "histogram");
+  EXPECT_EQ(spec.at("lower"), 0.0);
+  EXPECT_EQ(spec.at("width"), 1.0);
+  const nlohmann::json& set = spec.at("series").at(0);
+  EXPECT_EQ(set.at("count"), 10);
+  EXPECT_EQ(set.at("beyond"), 3);
+  EXPECT_EQ(set.at("percent"), nlohmann::json::parse("[20.0, 10.0, 10.0, 30.0]"));
+  EXPECT_FALSE(spec.contains("mark"));
+  EXPECT_FALSE(spec.contains("expected"));
+
+  // Without limits nothing is beyond; values that are all the same have a width all the same.
+  figure.limits.reset();
+  EXPECT_EQ(Specs(RenderFigure(figure)).at(0).at("series").at(0).at("beyond"), 0);
+  figure.sets[0].value = Eigen::Vector2d(-5.0, -5.0);
+  const nlohmann::json same = Specs(RenderFigure(figure)).at(0);
+  EXPECT_GT(same.at("width").get<double>(), 0.0);
+  EXPECT_EQ(same.at("series").at(0).at("beyond"), 0);
+
+  // Of a standard normal variable, 68.27 % lie within one deviation, 95.45 % within two.
+  figure.limits = {-2.0, 2.0};
+  figure.standard_normal = true;
+  const nlohmann::json expected = Specs(RenderFigure(figure)).at(0).at("expected");
+  EXPECT_NEAR(expected.at(1).get<double>() + expected.at(2).get<double>(), 68.2689, 1e-3);
+  EXPECT_NEAR(expected.at(0).get<double>() + expected.at(3).get<double>(), 95.4500 - 68.2689, 1e-3);
+}
+
+TEST(ReportTest, BandsAndLabelsReachThePage) {
+  ScatterFigure figure{"s", "x", "y", {{"set", Eigen::Vector2d(0, 1), Eigen::Vector2d(90, 96)}}};
+  figure.sets[0].labels = {"g1", "g2"};
+  figure.categories = {"LS", "EIV"};
+  figure.band = ReferenceBand{"95 %", 95.0, 92.0, 98.0};
+  const nlohmann::json spec = Specs(RenderFigure(figure)).at(0);
+  EXPECT_EQ(spec.at("band"), nlohmann::json::parse(R"({"name": "95 %", "value": 95.0, "lower": 92.0, "upper": 98.0})"));
+  EXPECT_EQ(spec.at("series").at(0).at("labels"), nlohmann::json::parse(R"(["g1", "g2"])"));
+  EXPECT_EQ(spec.at("categories"), nlohmann::json::parse(R"(["LS", "EIV"])"));
+}
+
 TEST(ReportDeathTest, LengthsThatDisagreeAreABug) {
   TimeFigure figure;
   figure.title = "torque";
@@ -234,6 +280,9 @@ TEST(ReportDeathTest, LengthsThatDisagreeAreABug) {
   EXPECT_DEATH(RenderFigure(figure), "torque: measured");
   Table table{"gains", {{"joint"}, {"gain"}}, {{"1"}}, {}};
   EXPECT_DEATH(RenderReport(OneBlock(table)), "gains");
+  ScatterFigure scatter{"cloud", "x", "y", {{"set", Eigen::Vector2d(0, 1), Eigen::Vector2d(0, 1)}}};
+  scatter.sets[0].labels = {"alone"};
+  EXPECT_DEATH(RenderFigure(scatter), "cloud: set");
 }
 
 }  // namespace

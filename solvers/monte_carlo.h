@@ -13,8 +13,9 @@
 // decimation included. What it does not: an error of the model (the truth is in the model's class), noise that is
 // correlated in time or between joints (real residuals are, so real spreads are larger and real intervals hold the
 // truth less often), quantisation, an outlier. The true motion carries what the filter left of the real noise, so it is
-// a little livelier than the arm's; filtering it a second time takes some of its fastest content away, which friction's
-// smoothed sign at reversals sees first. Validation recordings take no part.
+// a little livelier than the arm's, also where the arm stands still; the runs see it filtered a second time and with
+// noise of their own. Friction's sign at reversals and at rest feels that first: on the UR10e recordings, which dwell,
+// WGTLS finds Fs up to three of its spreads too small and Fv as much too large. Validation recordings take no part.
 //
 // Deterministic: the seed of a recording's noise is made of (seed, run, recording), runs are kept by their number, so
 // neither the number of threads nor their order matters.

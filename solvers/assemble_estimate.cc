@@ -83,6 +83,18 @@ void PredictAll(const PreparedStudy& prepared, const Study& study, const VectorX
   result->estimate.signal_noise = SignalDeviation(study, gains, result->series);
 }
 
+void SetModelCovariance(const std::vector<Parameter>& unknowns, const MatrixXd& covariance, Estimate* estimate) {
+  std::vector<int> kept;
+  for (ParameterEstimate& p : estimate->parameters) {
+    for (int k = 0; k < static_cast<int>(unknowns.size()); ++k) {
+      if (unknowns[k].name != p.parameter.name) continue;
+      kept.push_back(k);
+      p.model_standard_deviation = std::sqrt(covariance(k, k));
+    }
+  }
+  estimate->model_covariance = covariance(kept, kept);
+}
+
 GainDiagnosis DescribeGain(const GainVerdict& verdict) {
   static constexpr const char* kStrength[] = {"strong", "weak", "none"};
   return {verdict.name,

@@ -34,6 +34,9 @@ void SetParameters(const PreparedStudy& prepared, const std::vector<Parameter>& 
 void PredictAll(const PreparedStudy& prepared, const Study& study, const Eigen::VectorXd& gains,
                 const Eigen::VectorXd& values, int first_base, const PayloadColumns& columns, Identification* result);
 
+// After SetParameters() with a robust covariance: that of independent samples beside it.
+void SetModelCovariance(const std::vector<Parameter>& unknowns, const Eigen::MatrixXd& covariance, Estimate* estimate);
+
 GainDiagnosis DescribeGain(const GainVerdict& verdict);
 
 }  // namespace idim

@@ -239,10 +239,8 @@ Result<Identification> IdentifyEiv(const PreparedStudy& prepared, const GainSyst
                 data->num_gains(), estimate.eliminated, &estimate);
   for (ParameterEstimate& p : estimate.parameters) {
     SetInterval95(summary.degrees_of_freedom, &p, summary.interval_factor);
-    for (int k = 0; k < data->num_unknowns(); ++k) {
-      if (data->unknowns[k].name == p.parameter.name) p.model_standard_deviation = std::sqrt(summary.covariance(k, k));
-    }
   }
+  SetModelCovariance(data->unknowns, summary.covariance, &estimate);
   estimate.uncertainty = Uncertainty(summary);
   estimate.condition_number_weighted = summary.condition_number;
   estimate.signal_noise_decimated = summary.signal_sigma;

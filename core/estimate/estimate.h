@@ -55,6 +55,7 @@ struct Estimate {
   std::string estimator;
   std::vector<ParameterEstimate> parameters;
   Eigen::MatrixXd covariance;                 // in the order of `parameters`
+  Eigen::MatrixXd model_covariance;           // where that is a robust one: of independent samples; else empty
   std::vector<std::string> eliminated;        // not essential, set to zero
   std::vector<std::string> without_effect;    // standard parameters that no torque depends on
   Eigen::VectorXd position_noise;             // [rad or m] a sample, joint side

@@ -123,7 +123,9 @@ RunErrors ErrorsOf(const std::vector<TrueParameter>& truth, const Estimate& esti
   run.parameters = static_cast<int>(count);
   run.gains = static_cast<int>(gains.size());
   CHECK_EQ(estimate.covariance.rows(), count);
-  run.nees = NormalisedErrorSquared(error, estimate.covariance);
+  // The inverse of a robust covariance of many parameters is too noisy for a mean of quadratic forms.
+  const bool robust = estimate.model_covariance.size() > 0;
+  run.nees = NormalisedErrorSquared(error, robust ? estimate.model_covariance : estimate.covariance);
   run.nees_gains = NormalisedErrorSquared(error(gains), estimate.covariance(gains, gains));
   return run;
 }

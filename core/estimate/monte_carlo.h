@@ -40,7 +40,7 @@ struct RunErrors {
   Eigen::VectorXd standard_deviation;  // as reported
   std::vector<bool> covered;           // interval95 holds the truth
   double nees_gains = -1.0;            // -1: no gains, or a covariance that has no inverse
-  double nees = -1.0;                  // of all parameters, likewise
+  double nees = -1.0;                  // of all parameters, likewise; by Estimate::model_covariance where there is one
   int gains = 0, parameters = 0;       // that the estimate has
 };
 

@@ -4,6 +4,7 @@
 #
 #   scripts/install_dependencies.sh            to build the libraries, programs, tests and benchmarks
 #   scripts/install_dependencies.sh --tests    also the browser in which the tests open the reports
+#   scripts/install_dependencies.sh --benchmarks   also ODRPACK, the peer of benchmarks/compare_bundle.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -18,7 +19,8 @@ packages=(
 case "${1-}" in
   "") ;;
   --tests) packages+=(chromium) ;;
-  *) echo "usage: $0 [--tests]" >&2; exit 1 ;;
+  --benchmarks) packages+=(python3-scipy) ;;
+  *) echo "usage: $0 [--tests | --benchmarks]" >&2; exit 1 ;;
 esac
 # Any npm will do, not only the packaged one.
 [ -n "$(command -v npm)" ] || packages+=(npm)

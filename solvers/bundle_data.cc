@@ -115,22 +115,24 @@ MatrixXd StateCovarianceOf(const BundleData& data, int recording) {
 }
 
 StateDerivatives::StateDerivatives(const BaseParameters& base, const BundleData& data)
-    : base_(base),
-      data_(data),
-      wide_(base.model().robot()),
-      along_(base.model().robot()),
-      base_column_of_link_(data.dof),
-      wide_state_(3 * data.dof),
-      wide_torque_(data.dof),
-      along_state_(3 * data.dof),
-      along_regressor_(kNumInertial * data.dof * data.dof) {
+    : data_(data),
+      dynamics_(base.model().robot()),
+      inertials_(data.dof),
+      regressor_(kNumInertial * data.dof * data.dof) {
   const int n = data.dof;
   StandardModel model = base.model();
   std::vector<int> base_column(model.columns(), -1);
   for (int k = 0; k < base.size(); ++k) base_column[base.kept()[k]] = k;
   for (int j = 0; j < n; ++j) {
     for (int k = 0; k < kNumInertial; ++k) {
-      base_column_of_link_[j][k] = base_column[model.Find(kStandardNames[k] + std::to_string(j + 1))];
+      const int column = base_column[model.Find(kStandardNames[k] + std::to_string(j + 1))];
+      if (column >= 0) base_entries_.push_back({j, k, column});
+    }
+  }
+  for (const std::array<int, kNumInertial>& columns : data.payload_columns) {
+    payload_entries_.emplace_back();
+    for (int k = 0; k < kNumInertial; ++k) {
+      if (columns[k] >= 0) payload_entries_.back().push_back({n - 1, k, columns[k]});
     }
   }
   // The drives' columns but for the Coulomb ones are linear in dq and ddq: unit states give their derivatives.
@@ -155,53 +157,31 @@ StateDerivatives::StateDerivatives(const BaseParameters& base, const BundleData&
 
 void StateDerivatives::Torque(const BundleSample& sample, const VectorXd& chi, MatrixXd* d) {
   const int n = data_.dof;
-  std::vector<InertialVector> inertials(n, InertialVector::Zero());
-  for (int j = 0; j < n; ++j) {
-    for (int k = 0; k < kNumInertial; ++k) {
-      if (base_column_of_link_[j][k] >= 0) inertials[j][k] = chi[base_column_of_link_[j][k]];
-    }
-  }
-  const int payload = data_.payload_of_recording[sample.recording];
-  if (payload >= 0) {
-    inertials.back() += data_.known_payload[payload];
-    for (int k = 0; k < kNumInertial; ++k) {
-      const int column = data_.payload_columns[payload][k];
-      if (column >= 0) inertials.back()[k] += chi[column];
-    }
+  for (InertialVector& inertial : inertials_) inertial.setZero();
+  for (const InertialEntry& entry : base_entries_) inertials_[entry.link][entry.parameter] = chi[entry.column];
+  if (const int payload = data_.payload_of_recording[sample.recording]; payload >= 0) {
+    inertials_.back() += data_.known_payload[payload];
+    for (const InertialEntry& entry : payload_entries_[payload])
+      inertials_.back()[entry.parameter] += chi[entry.column];
   }
   d->resize(n, 3 * n);
-  for (int first = 0; first < 3 * n; first += kWidth) {
-    const int width = std::min(kWidth, 3 * n - first);
-    for (int s = 0; s < 3 * n; ++s) {
-      wide_state_[s] = WideJet(sample.state[s]);
-      if (s >= first && s < first + width) wide_state_[s].v[s - first] = 1.0;
-    }
-    wide_.InverseDynamics(&wide_state_[0], &wide_state_[n], &wide_state_[2 * n], inertials.data(), wide_torque_.data());
-    for (int i = 0; i < n; ++i) d->row(i).segment(first, width) = wide_torque_[i].v.head(width).transpose();
-  }
+  dynamics_.InverseDynamics(sample.state.data(), inertials_.data(), d->data());
   for (const DriveEntry& entry : drive_entries_) (*d)(entry.row, entry.variable) += entry.value * chi[entry.column];
 }
 
 void StateDerivatives::Columns(const BundleSample& sample, const VectorXd& deviation, RowMajorMatrix* change) {
   const int n = data_.dof;
   CHECK_EQ(deviation.size(), 3 * n);
-  for (int s = 0; s < 3 * n; ++s) {
-    along_state_[s] = Jet(sample.state[s]);
-    along_state_[s].v[0] = deviation[s];
-  }
-  along_.Regressor(&along_state_[0], &along_state_[n], &along_state_[2 * n], along_regressor_.data());
+  dynamics_.Regressor(sample.state.data(), deviation.data(), regressor_.data());
   change->setZero(n, data_.num_columns());
-  const int payload = data_.payload_of_recording[sample.recording];
-  for (int i = 0; i < n; ++i) {
-    for (int j = i; j < n; ++j) {
-      for (int k = 0; k < kNumInertial; ++k) {
-        const double value = along_regressor_[(i * n + j) * kNumInertial + k].v[0];
-        if (base_column_of_link_[j][k] >= 0) (*change)(i, base_column_of_link_[j][k]) = value;
-        if (j == n - 1 && payload >= 0 && data_.payload_columns[payload][k] >= 0) {
-          (*change)(i, data_.payload_columns[payload][k]) = value;
-        }
-      }
+  const auto copy = [&](const InertialEntry& entry) {
+    for (int i = 0; i <= entry.link; ++i) {
+      (*change)(i, entry.column) = regressor_[(i * n + entry.link) * kNumInertial + entry.parameter];
     }
+  };
+  for (const InertialEntry& entry : base_entries_) copy(entry);
+  if (const int payload = data_.payload_of_recording[sample.recording]; payload >= 0) {
+    for (const InertialEntry& entry : payload_entries_[payload]) copy(entry);
   }
   for (const DriveEntry& entry : drive_entries_) {
     (*change)(entry.row, entry.column) += entry.value * deviation[entry.variable];

@@ -15,14 +15,12 @@
 #ifndef IDIM_SOLVERS_BUNDLE_DATA_H_
 #define IDIM_SOLVERS_BUNDLE_DATA_H_
 
-#include <ceres/jet.h>
-
 #include <Eigen/Core>
 #include <array>
 #include <vector>
 
 #include "core/base/status.h"
-#include "core/dynamics/rigid_body_dynamics.h"
+#include "core/dynamics/rigid_body_derivatives.h"
 #include "core/observation/prepared_study.h"
 
 namespace idim {
@@ -87,23 +85,23 @@ class StateDerivatives {
   void Columns(const BundleSample& sample, const Eigen::VectorXd& deviation, RowMajorMatrix* change);
 
  private:
-  static constexpr int kWidth = 6;  // directions a pass
-  using WideJet = ceres::Jet<double, kWidth>;
-  using Jet = ceres::Jet<double, 1>;
-
-  const BaseParameters& base_;
-  const BundleData& data_;
-  RigidBodyDynamics<WideJet> wide_;
-  RigidBodyDynamics<Jet> along_;
   // d(column)/d(dq), d(column)/d(ddq) of the drives' columns, which are linear: [joint row, base column] of each.
   struct DriveEntry {
     int row, column, variable;  // variable: index into the state
     double value;
   };
+  // A link's inertial parameter among the columns.
+  struct InertialEntry {
+    int link, parameter, column;
+  };
+
+  const BundleData& data_;
+  RigidBodyDerivatives dynamics_;
   std::vector<DriveEntry> drive_entries_;
-  std::vector<std::array<int, kNumInertial>> base_column_of_link_;  // -1: not kept
-  std::vector<WideJet> wide_state_, wide_torque_;
-  std::vector<Jet> along_state_, along_regressor_;
+  std::vector<InertialEntry> base_entries_;
+  std::vector<std::vector<InertialEntry>> payload_entries_;  // of each payload of the study
+  std::vector<InertialVector> inertials_;
+  std::vector<double> regressor_;  // n x 10n
 };
 
 }  // namespace idim

@@ -42,41 +42,87 @@ double HuberNorm::VarianceFactor(int n) const {
 BundleProblem::BundleProblem(const BaseParameters& base, const BundleData& data, const std::vector<BundlePrior>& priors,
                              HuberNorm loss)
     : data_(data), priors_(priors), loss_(loss), derivatives_(base, data) {
-  for (size_t r = 0; r < data.state_covariance.size(); ++r) {
-    covariance_.push_back(StateCovarianceOf(data, static_cast<int>(r)));
-  }
-  rows_.setZero(data.dof, data.num_unknowns() + 1);
+  const int n = data.dof;
+  torque_.resize(n);
+  lower_.resize(n);
+  cb_.resize(3 * n, n);
+  factor_.setZero(n, n);
+  rows_.setZero(n, data.num_unknowns() + 1);
 }
 
-double BundleProblem::Whiten(const BundleSample& sample, const VectorXd& gains, const VectorXd& chi,
-                             const VectorXd& variance) {
-  const int c = data_.num_unknowns();
-  inverse_gains_ = gains.cwiseInverse();
-  torque_.noalias() = data_.inverse_drive * (sample.columns * chi + sample.known);
-  residual_ = sample.signal - torque_.cwiseProduct(inverse_gains_);
-  derivatives_.Torque(sample, chi, &d_);
-  b_.noalias() = inverse_gains_.asDiagonal() * (data_.inverse_drive * d_);
-  cb_.noalias() = covariance_[sample.recording] * b_.transpose();
-  v_.noalias() = b_ * cb_;
+void BundleProblem::Set(const VectorXd& theta, const VectorXd& sigma) {
+  chi_ = theta.tail(data_.num_columns());
+  inverse_gains_ = data_.Gains(theta).cwiseInverse();
+  variance_ = sigma.cwiseAbs2();
+  drive_ = inverse_gains_.asDiagonal() * data_.inverse_drive;
+}
+
+// Lazy products and loops: these matrices are smaller than what a blocked product costs to begin.
+double BundleProblem::Whiten(const BundleSample& sample) {
+  const int n = data_.dof, c = data_.num_unknowns();
+  for (int i = 0; i < n; ++i) torque_[i] = sample.known[i] + sample.columns.row(i).dot(chi_);
+  signal_ = drive_.lazyProduct(torque_);
+  residual_ = sample.signal - signal_;
+  derivatives_.Torque(sample, chi_, &d_);
+  b_ = drive_.lazyProduct(d_);
+  const std::vector<Eigen::Matrix3d>& covariance = data_.state_covariance[sample.recording];
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      const Eigen::Matrix3d& own = covariance[j];
+      const double q = b_(i, j), dq = b_(i, n + j), ddq = b_(i, 2 * n + j);
+      for (int a = 0; a < 3; ++a) cb_(a * n + j, i) = own(a, 0) * q + own(a, 1) * dq + own(a, 2) * ddq;
+    }
+  }
+  v_ = b_.lazyProduct(cb_);
   spread_ = v_.diagonal();
-  v_.diagonal() += variance;
-  llt_.compute(v_);
-  half_ = llt_.matrixL().solve(residual_);
-  const double s = half_.squaredNorm();
+  v_.diagonal() += variance_;
+  InvertFactor();
+  half_ = factor_.lazyProduct(residual_);
+  weighted_ = factor_.transpose().lazyProduct(half_);
   // The latent's best value, and the derivative of the residual by the unknowns there.
-  weighted_ = llt_.matrixU().solve(half_);
-  deviation_.noalias() = cb_ * weighted_;
+  deviation_ = cb_.lazyProduct(weighted_);
   derivatives_.Columns(sample, deviation_, &change_);
   change_ += sample.columns;
-  rows_.middleCols(data_.num_gains(), data_.num_columns()).noalias() =
-      -(inverse_gains_.asDiagonal() * (data_.inverse_drive * change_));
-  if (data_.num_gains() > 0) {
-    torque_.noalias() += data_.inverse_drive * (d_ * deviation_);
-    rows_.leftCols(data_.dof) = torque_.cwiseProduct(inverse_gains_.cwiseAbs2()).asDiagonal();
+  whitened_drive_ = factor_.lazyProduct(drive_);
+  const int gains = data_.num_gains();
+  for (int i = 0; i < n; ++i) {
+    auto row = rows_.row(i).segment(gains, data_.num_columns());
+    row = -whitened_drive_(i, 0) * change_.row(0);
+    for (int j = 1; j < n; ++j) {
+      if (whitened_drive_(i, j) != 0.0) row -= whitened_drive_(i, j) * change_.row(j);
+    }
   }
-  rows_.col(c) = residual_;
-  llt_.matrixL().solveInPlace(rows_);
-  return s;
+  for (int j = 0; j < gains; ++j) {
+    // B d = r - S V^-1 r.
+    const double signal = signal_[j] + residual_[j] - variance_[j] * weighted_[j];
+    rows_.col(j) = factor_.col(j) * (signal * inverse_gains_[j]);
+  }
+  rows_.col(c) = half_;
+  return half_.squaredNorm();
+}
+
+// L^-1 of v_ = L L' into factor_, by rows: row i of L, then row i of its inverse.
+void BundleProblem::InvertFactor() {
+  const int n = data_.dof;
+  log_determinant_ = 0.0;
+  for (int i = 0; i < n; ++i) {
+    // L_ij = (L^-1 v_.col(i))_j.
+    double pivot = v_(i, i);
+    for (int j = 0; j < i; ++j) {
+      double entry = 0.0;
+      for (int k = 0; k <= j; ++k) entry += factor_(j, k) * v_(k, i);
+      lower_[j] = entry;
+      pivot -= entry * entry;
+    }
+    const double inverse = 1.0 / std::sqrt(pivot);
+    for (int k = 0; k < i; ++k) {
+      double entry = 0.0;
+      for (int j = k; j < i; ++j) entry += lower_[j] * factor_(j, k);
+      factor_(i, k) = -entry * inverse;
+    }
+    factor_(i, i) = inverse;
+    log_determinant_ += std::log(pivot);
+  }
 }
 
 void BundleProblem::AddPriors(const VectorXd& theta, TriangularFactor* factor) const {
@@ -93,15 +139,15 @@ BundleProblem::Evaluation BundleProblem::Evaluate(const VectorXd& theta, const V
   Evaluation result;
   TriangularFactor factor(data_.num_unknowns() + 1);
   result.squares = result.spread = VectorXd::Zero(data_.dof);
-  const VectorXd gains = data_.Gains(theta), chi = theta.tail(data_.num_columns()), variance = sigma.cwiseAbs2();
+  Set(theta, sigma);
   double cost = 0.0;
   for (const BundleSample& sample : data_.samples) {
-    const double s = Whiten(sample, gains, chi, variance);
+    const double s = Whiten(sample);
     const double weight = loss_.Weight(s);
     cost += loss_.Cost(s);
     result.squares += weight * residual_.cwiseAbs2();
     result.spread += spread_;
-    result.log_determinants += 2.0 * llt_.matrixLLT().diagonal().array().log().sum();
+    result.log_determinants += log_determinant_;
     if (weight != 1.0) rows_ *= std::sqrt(weight);
     factor.AddRows(rows_);
   }
@@ -130,9 +176,9 @@ BundleProblem::Sensitivity BundleProblem::Scores(const VectorXd& theta, const Ve
   Sensitivity result;
   result.scores.resize(static_cast<Index>(data_.samples.size()), c);
   TriangularFactor factor(c + 1);
-  const VectorXd gains = data_.Gains(theta), chi = theta.tail(data_.num_columns()), variance = sigma.cwiseAbs2();
+  Set(theta, sigma);
   for (size_t k = 0; k < data_.samples.size(); ++k) {
-    const double s = Whiten(data_.samples[k], gains, chi, variance);
+    const double s = Whiten(data_.samples[k]);
     const double weight = loss_.Weight(s);
     result.scores.row(static_cast<Index>(k)).noalias() = weight * (half_.transpose() * rows_.leftCols(c));
     if (weight != 1.0) {

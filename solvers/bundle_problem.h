@@ -4,7 +4,6 @@
 #ifndef IDIM_SOLVERS_BUNDLE_PROBLEM_H_
 #define IDIM_SOLVERS_BUNDLE_PROBLEM_H_
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <limits>
 #include <vector>
@@ -61,21 +60,25 @@ class BundleProblem {
   int num_gains() const { return data_.num_gains(); }
 
  private:
-  // The whitened rows V^-1/2 [J | r] of one sample into rows_; returns r' V^-1 r.
-  double Whiten(const BundleSample& sample, const Eigen::VectorXd& gains, const Eigen::VectorXd& chi,
-                const Eigen::VectorXd& variance);
+  // What all samples have in common at these unknowns and weights.
+  void Set(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
+  // The whitened rows V^-1/2 [J | r] of one sample into rows_; returns r' V^-1 r. Allocates nothing.
+  double Whiten(const BundleSample& sample);
+  void InvertFactor();
   void AddPriors(const Eigen::VectorXd& theta, class TriangularFactor* factor) const;
 
   const BundleData& data_;
   const std::vector<BundlePrior>& priors_;
   HuberNorm loss_;
   StateDerivatives derivatives_;
-  std::vector<Eigen::MatrixXd> covariance_;  // 3n x 3n of each recording
+  // Of Set().
+  Eigen::VectorXd chi_, inverse_gains_, variance_;
+  Eigen::MatrixXd drive_;  // diag(1/g) M^-1
   // Of the last sample.
-  Eigen::VectorXd residual_, torque_, inverse_gains_, spread_, half_, weighted_, deviation_;
-  Eigen::MatrixXd d_, b_, cb_, v_;
+  Eigen::VectorXd torque_, signal_, residual_, spread_, half_, weighted_, deviation_, lower_;
+  Eigen::MatrixXd d_, b_, cb_, v_, factor_, whitened_drive_;  // factor_: L^-1 of V = L L'
   RowMajorMatrix change_, rows_;
-  Eigen::LLT<Eigen::MatrixXd> llt_;
+  double log_determinant_ = 0.0;  // of V
 };
 
 }  // namespace idim

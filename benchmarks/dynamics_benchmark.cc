@@ -1,5 +1,5 @@
-// Inverse dynamics, regressor and base columns of a 6R arm, a sample at a time; each with the largest relative
-// difference to the other route as its accuracy. `counter` in nanoseconds a sample.
+// Inverse dynamics, regressor, base columns and derivatives of a 6R arm, a sample at a time; each with the largest
+// relative difference to the other route as its accuracy. `counter` in nanoseconds a sample.
 //
 // With two arguments it runs nothing but COUNT evaluations, for counting instructions from outside:
 //   dynamics_benchmark inverse_dynamics|regressor|none COUNT      (scripts: benchmarks/count_instructions.sh)
@@ -11,11 +11,13 @@
 #include <string>
 
 #include "core/dynamics/base_parameters.h"
+#include "core/dynamics/rigid_body_derivatives.h"
 #include "core/dynamics/rigid_body_dynamics.h"
 #include "core/robot/robot_reader.h"
 
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using RowMajorMatrix = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
 
@@ -30,6 +32,7 @@ struct Fixture {
   idim::Robot robot = Tx40();
   idim::RigidBodyDynamics<double> dynamics{robot};
   VectorXd q, dq, ddq, chi = VectorXd(60), tau = VectorXd(6);
+  VectorXd state = VectorXd(18), direction = VectorXd::LinSpaced(18, -1.0, 1.3);
   std::vector<idim::InertialVector> bodies;
   RowMajorMatrix w = RowMajorMatrix::Zero(6, 60);
 
@@ -42,6 +45,14 @@ struct Fixture {
     q = VectorXd::LinSpaced(6, -2.0, 2.7);
     dq = VectorXd::LinSpaced(6, 3.0, -1.9);
     ddq = VectorXd::LinSpaced(6, -7.0, 9.0);
+    state << q, dq, ddq;
+  }
+  // Of `function` along `direction` at `state`.
+  template <typename Function>
+  VectorXd Difference(const Function& function) {
+    constexpr double kStep = 1e-5;
+    const VectorXd after = function(state + kStep * direction), before = function(state - kStep * direction);
+    return (after - before) / (2.0 * kStep);
   }
   void InverseDynamics() {
     q[0] += 1e-3;
@@ -77,6 +88,43 @@ void BM_Regressor(benchmark::State& state) {
   state.counters["relative_error"] = f.Error();
 }
 BENCHMARK(BM_Regressor);
+
+// Errors of the derivatives: along a random direction, against central differences of step 1e-5, which are good to
+// 1e-9.
+void BM_InverseDynamicsDerivatives(benchmark::State& state) {
+  Fixture f;
+  idim::RigidBodyDerivatives derivatives(f.robot);
+  MatrixXd d(6, 18);
+  for (auto unused : state) {
+    f.state[0] += 1e-3;
+    derivatives.InverseDynamics(f.state.data(), f.bodies.data(), d.data());
+    benchmark::DoNotOptimize(d.data());
+  }
+  const VectorXd numeric = f.Difference([&](const VectorXd& x) {
+    f.dynamics.InverseDynamics(x.data(), x.data() + 6, x.data() + 12, f.bodies.data(), f.tau.data());
+    return f.tau;
+  });
+  state.counters["relative_error"] = (d * f.direction - numeric).norm() / numeric.norm();
+}
+BENCHMARK(BM_InverseDynamicsDerivatives);
+
+void BM_RegressorDerivative(benchmark::State& state) {
+  Fixture f;
+  idim::RigidBodyDerivatives derivatives(f.robot);
+  RowMajorMatrix change = RowMajorMatrix::Zero(6, 60);
+  for (auto unused : state) {
+    f.state[0] += 1e-3;
+    derivatives.Regressor(f.state.data(), f.direction.data(), change.data());
+    benchmark::DoNotOptimize(change.data());
+  }
+  const VectorXd numeric = f.Difference([&](const VectorXd& x) -> VectorXd {
+    f.dynamics.Regressor(x.data(), x.data() + 6, x.data() + 12, f.w.data());
+    return Eigen::Map<const VectorXd>(f.w.data(), f.w.size());
+  });
+  state.counters["relative_error"] =
+      (Eigen::Map<const VectorXd>(change.data(), change.size()) - numeric).norm() / numeric.norm();
+}
+BENCHMARK(BM_RegressorDerivative);
 
 // With drives and the 5-6 coupling: what identification evaluates.
 void BM_StandardModelRegressor(benchmark::State& state) {

@@ -115,18 +115,23 @@ int ChooseLag(const MatrixXd& influence, const std::vector<std::pair<Index, Inde
   return static_cast<int>(std::min(std::ceil(lag), static_cast<double>(shortest) / 3.0));
 }
 
+// Rows that are worked on together, so that what all samples need is not held twice.
+constexpr Index kBlockRows = 256;
+
 // Sum of autocovariances with Bartlett weights: the mean square of sums over moving windows, which reach over the ends.
 MatrixXd LongRunCovariance(const MatrixXd& rows, const std::vector<std::pair<Index, Index>>& recordings, int lag) {
-  MatrixXd sum = MatrixXd::Zero(rows.cols(), rows.cols());
+  MatrixXd sum = MatrixXd::Zero(rows.cols(), rows.cols()), windows(kBlockRows, rows.cols());
   for (const auto& [begin, end] : recordings) {
-    MatrixXd windows = MatrixXd::Zero(end - begin + lag, rows.cols());
     Eigen::RowVectorXd window = Eigen::RowVectorXd::Zero(rows.cols());
-    for (Index w = 0; w < windows.rows(); ++w) {
+    Index filled = 0;
+    for (Index w = 0; w < end - begin + lag; ++w) {
       if (begin + w < end) window += rows.row(begin + w);
       if (w > lag) window -= rows.row(begin + w - lag - 1);
-      windows.row(w) = window;
+      windows.row(filled++) = window;
+      if (filled < kBlockRows && w + 1 < end - begin + lag) continue;
+      sum.noalias() += windows.topRows(filled).transpose() * windows.topRows(filled) / (lag + 1.0);
+      filled = 0;
     }
-    sum.noalias() += windows.transpose() * windows / (lag + 1.0);
   }
   return sum;
 }
@@ -137,13 +142,17 @@ double IntervalFactor(double b) { return (1.96 + 2.9694 * b + 0.4160 * b * b - 0
 void SetCovariance(BundleProblem* problem, const BundleData& data, const Iterate& iterate, BundleSummary* summary) {
   const BundleOptions& options = summary->given;
   const double count = static_cast<double>(data.samples.size());
-  const BundleProblem::Sensitivity sensitivity = problem->Scores(iterate.theta, iterate.sigma);
+  BundleProblem::Sensitivity sensitivity = problem->Scores(iterate.theta, iterate.sigma);
   const MatrixXd inverse = InverseOf(sensitivity.curvature);
   const MatrixXd bread = inverse * inverse.transpose();
   summary->covariance = bread * HuberNorm{options.huber_threshold * std::sqrt(data.dof)}.VarianceFactor(data.dof);
   const std::vector<std::pair<Index, Index>> recordings = Recordings(data);
   // Influence of each sample on the parameters.
-  const MatrixXd influence = sensitivity.scores * bread;
+  MatrixXd& influence = sensitivity.scores;
+  for (Index first = 0; first < influence.rows(); first += kBlockRows) {
+    auto block = influence.middleRows(first, std::min(kBlockRows, influence.rows() - first));
+    block *= bread;
+  }
   summary->hac_lag = options.hac_lag >= 0 ? options.hac_lag : ChooseLag(influence, recordings);
   summary->robust_covariance = LongRunCovariance(influence, recordings, summary->hac_lag) * count * data.dof /
                                std::max(summary->degrees_of_freedom, 1.0);

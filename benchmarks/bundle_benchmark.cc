@@ -1,7 +1,9 @@
 // Seconds, bytes and estimates of the errors-in-variables bundle, one solver a process (benchmarks/compare_bundle.sh).
 //
-//   bundle_benchmark --arm=2r|6r --samples=N --data=PREFIX --write            makes PREFIX.json and PREFIX.bin
-//   bundle_benchmark --data=PREFIX --solver=closed|ceres --result=FILE.json   solves, and says what it took
+//   bundle_benchmark --write --arm=2r|6r --samples=N --data=PREFIX
+// makes PREFIX.json and PREFIX.bin (and --seed, --joint_noise);
+//   bundle_benchmark --solver=closed|ceres --data=PREFIX --result=FILE.json
+// solves it and says what that took.
 //
 // Samples are random joint states, the second half with a payload of known mass; measured states carry the noise of a
 // 3 x 3 covariance a joint, signals white noise, and both standard deviations are given to every solver. The signals
@@ -36,6 +38,7 @@ DEFINE_string(arm, "2r", "2r or 6r, with --write");
 DEFINE_int32(samples, 100000, "with --write, at least 100");
 DEFINE_int32(seed, 1, "of the states and the noise");
 DEFINE_string(data, "", "prefix of the data's two files");
+DEFINE_double(joint_noise, 1.0, "with --write, times 2e-5 rad, 1.5e-3 rad/s, 0.7 rad/s^2");
 DEFINE_bool(write, false, "make the data");
 DEFINE_string(solver, "closed", "closed or ceres");
 DEFINE_string(result, "", "JSON file for times, memory and estimates");
@@ -81,7 +84,8 @@ idim::Robot Planar2R() {
   return robot;
 }
 
-Problem MakeProblem(const std::string& arm) {
+// joint_noise: times the standard deviations below.
+Problem MakeProblem(const std::string& arm, double joint_noise) {
   CHECK(arm == "2r" || arm == "6r") << "--arm=" << arm;
   idim::Robot robot = Planar2R();
   idim::FrictionModel friction{true, false, false};
@@ -129,7 +133,7 @@ Problem MakeProblem(const std::string& arm) {
     data.unknowns.push_back({idim::kStandardNames[k] + std::string("P"), idim::ParameterKind::kPayload, n, ""});
   }
   // Encoders of 2e-5 rad, filtered and decimated: position and acceleration of the same samples are correlated.
-  const Eigen::Vector3d deviation(2e-5, 1.5e-3, 0.7);
+  const Eigen::Vector3d deviation(joint_noise * 2e-5, joint_noise * 1.5e-3, joint_noise * 0.7);
   Eigen::Matrix3d correlation = Eigen::Matrix3d::Identity();
   correlation(0, 2) = correlation(2, 0) = -0.5;
   data.state_covariance.assign(
@@ -147,7 +151,7 @@ Problem MakeProblem(const std::string& arm) {
 std::vector<double> Numbers(const VectorXd& v) { return {v.data(), v.data() + v.size()}; }
 
 void Write() {
-  Problem problem = MakeProblem(FLAGS_arm);
+  Problem problem = MakeProblem(FLAGS_arm, FLAGS_joint_noise);
   idim::StandardModel model = problem.base.model();
   const int n = problem.data.dof;
   std::mt19937_64 generator(static_cast<std::uint64_t>(FLAGS_seed));
@@ -186,6 +190,7 @@ void Write() {
   Json json;
   json["arm"] = FLAGS_arm;
   json["samples"] = FLAGS_samples;
+  json["joint_noise"] = FLAGS_joint_noise;
   for (const idim::Parameter& parameter : problem.data.unknowns) json["unknowns"].push_back(parameter.name);
   json["truth"] = Numbers(problem.truth);
   json["start"] = Numbers(start);
@@ -335,7 +340,7 @@ Solution SolveCeres(const Problem& problem, const VectorXd& start, const VectorX
 void Solve() {
   Json given;
   std::ifstream(FLAGS_data + ".json") >> given;
-  Problem problem = MakeProblem(given["arm"]);
+  Problem problem = MakeProblem(given["arm"], given["joint_noise"]);
   const double program = PeakMemory();
   ReadSamples(given["samples"], &problem);
   const double held = PeakMemory();
@@ -380,8 +385,11 @@ int main(int argc, char** argv) {
   gflags::SetUsageMessage("the errors-in-variables bundle: seconds, bytes and estimates of one solver");
   gflags::ParseCommandLineFlags(&argc, &argv, true);
   const bool solver = FLAGS_solver == "closed" || FLAGS_solver == "ceres";
-  if (FLAGS_data.empty() || FLAGS_samples < 100 || !solver || (!FLAGS_write && FLAGS_result.empty())) {
-    std::fprintf(stderr, "expected --data, --samples >= 100, --solver=closed|ceres, and --write or --result\n");
+  if (FLAGS_data.empty() || FLAGS_samples < 100 || !(FLAGS_joint_noise > 0.0) || !solver ||
+      (!FLAGS_write && FLAGS_result.empty())) {
+    std::fprintf(
+        stderr,
+        "expected --data, --samples >= 100, --joint_noise > 0, --solver=closed|ceres, and --write or --result\n");
     return 1;
   }
   FLAGS_write ? Write() : Solve();

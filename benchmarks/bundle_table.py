@@ -17,14 +17,14 @@ def load(folder, name):
 
 def compare(own, others):
     print(f"{own['arm']}, {own['samples']} samples, {len(own['unknowns'])} unknowns; ratios to the first line")
-    print(f"{'solver':10} {'CPU [s]':>9} {'ratio':>7} {'wall [s]':>9} {'steps':>6} {'us a sample, step':>18} {'peak [MB]':>10}"
-          f" {'ratio':>7} {'before data':>12} {'data held':>10} {'cost':>14} {'estimates':>10} {'st. dev.':>9}")
+    print(f"{'solver':14} {'CPU [s]':>9} {'ratio':>7} {'wall [s]':>9} {'steps':>6} {'us a sample, step':>18}"
+          f" {'peak [MB]':>10} {'ratio':>7} {'before data':>12} {'data held':>10} {'cost':>14} {'estimates':>10} {'st. dev.':>9}")
     for run in [own] + others:
         sd = own["standard_deviation"]
         # Of any unknown, in its standard deviations; and of the standard deviations, relative.
         apart = max(abs(a - b) / s for a, b, s in zip(run["values"], own["values"], sd))
         spread = max((abs(a / b - 1) for a, b in zip(run["standard_deviation"], sd)), default=math.nan)
-        print(f"{run['solver']:10} {run['cpu_s']:9.3f} {run['cpu_s'] / own['cpu_s']:7.2f} {run['wall_s']:9.3f}"
+        print(f"{run['solver']:14} {run['cpu_s']:9.3f} {run['cpu_s'] / own['cpu_s']:7.2f} {run['wall_s']:9.3f}"
               f" {run['iterations']:6d} {1e6 * run['cpu_s'] / run['samples'] / run['iterations']:18.2f}"
               f" {run['peak_bytes'] / 1e6:10.1f} {run['peak_bytes'] / own['peak_bytes']:7.2f}"
               f" {run['program_bytes'] / 1e6:12.1f} {run['held_bytes'] / 1e6:10.1f} {run['cost']:14.4f} {apart:10.1e}"
@@ -47,7 +47,8 @@ def series(runs):
         n = run["samples"]
         print(f"{n:8d} {run['cpu_s']:9.3f} {run['iterations']:6d} {1e6 * run['cpu_s'] / n:12.2f}"
               f" {1e6 * run['cpu_s'] / n / run['iterations']:18.2f} {run['peak_bytes'] / 1e6:10.1f}"
-              f" {(run['peak_bytes'] - run['program_bytes']) / n:15.0f} {(run['peak_bytes'] - run['held_bytes']) / n:16.0f}"
+              f" {(run['peak_bytes'] - run['program_bytes']) / n:15.0f}"
+              f" {(run['peak_bytes'] - run['held_bytes']) / n:16.0f}"
               + ("" if run["message"] == "converged" else "  NOT CONVERGED: " + run["message"]))
     if len(runs) > 1:
         print("exponent of the samples: seconds a step "
@@ -57,14 +58,15 @@ def series(runs):
 
 def main():
     folder = pathlib.Path(sys.argv[1])
-    compare(load(folder, "2r.closed"), [load(folder, "2r.odrpack"), load(folder, "2r.ceres")])
+    compare(load(folder, "2r.closed"), [load(folder, "2r." + name) for name in ("odrpack", "odrpack_tight", "ceres")])
     names = {path.name.split(".closed")[0] for path in folder.glob("6r_*.closed.*.json")}
     sizes = sorted(int(name[3:]) for name in names)
     for size in sizes:
         ceres = load(folder, f"6r_{size}.ceres")
         if ceres:
             compare(load(folder, f"6r_{size}.closed"), [ceres])
-    series([load(folder, f"6r_{size}.closed") for size in sizes])
+    if sizes:
+        series([load(folder, f"6r_{size}.closed") for size in sizes])
 
 
 main()

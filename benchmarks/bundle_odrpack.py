@@ -129,8 +129,8 @@ def main():
     cpu, wall = cpu_seconds() - cpu, time.monotonic() - wall
     with open(result, "w") as file:
         json.dump({"solver": "odrpack, tight" if tight else "odrpack", "arm": "2r", "samples": given["samples"],
-                   "cpu_s": cpu, "wall_s": wall, "program_bytes": program, "held_bytes": held, "peak_bytes": peak_memory(),
-                   "iterations": count["iterations"], "cost": output.sum_square,
+                   "cpu_s": cpu, "wall_s": wall, "program_bytes": program, "held_bytes": held,
+                   "peak_bytes": peak_memory(), "iterations": count["iterations"], "cost": output.sum_square,
                    "message": "converged" if output.info in (1, 2, 3) else "; ".join(output.stopreason),
                    "unknowns": names, "truth": given["truth"], "values": list(output.beta),
                    "standard_deviation": list(np.sqrt(np.diag(output.cov_beta)))}, file, indent=1)

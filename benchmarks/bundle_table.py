@@ -18,7 +18,8 @@ def load(folder, name):
 def compare(own, others):
     print(f"{own['arm']}, {own['samples']} samples, {len(own['unknowns'])} unknowns; ratios to the first line")
     print(f"{'solver':14} {'CPU [s]':>9} {'ratio':>7} {'wall [s]':>9} {'steps':>6} {'us a sample, step':>18}"
-          f" {'peak [MB]':>10} {'ratio':>7} {'before data':>12} {'data held':>10} {'cost':>14} {'estimates':>10} {'st. dev.':>9}")
+          f" {'peak [MB]':>10} {'ratio':>7} {'before data':>12} {'data held':>10} {'cost':>14}"
+          f" {'estimates':>10} {'st. dev.':>9}")
     for run in [own] + others:
         sd = own["standard_deviation"]
         # Of any unknown, in its standard deviations; and of the standard deviations, relative.

@@ -84,8 +84,9 @@ Table Summary(const MonteCarlo& m) {
   const bool gains = HasGains(m);
   Table table;
   table.caption =
-      "Mean normalised estimation error squared (where it lies in 95 % of cases if the covariance is right), and "
-      "coverage of the 95 % intervals over the parameters: least / median / greatest, %";
+      "Mean normalised estimation error squared (where it lies in 95 % of cases if the covariance is right; that of "
+      "all parameters by the covariance of independent samples, whose inverse is not itself noise), and coverage of "
+      "the 95 % intervals over the parameters: least / median / greatest, %";
   table.columns = {{"estimator"}, {"failures", Table::Align::kRight}, {"no numbers", Table::Align::kRight}};
   if (gains) table.columns.push_back({"NEES, gains", Table::Align::kRight});
   table.columns.push_back({"NEES, all", Table::Align::kRight});

@@ -10,7 +10,7 @@
 // friction: an effect is a small part of the torque, and the noise a small part of that.
 //
 // Declared friction is the same kind of object (ids viscous, coulomb, offset), its columns those of
-// core/dynamics/standard_model.h. Adding an effect: one file with its class, one line in registry.cc.
+// core/dynamics/standard_model.h. Adding an effect: one file with its class, one line in registry.h.
 
 #ifndef IDIM_CORE_EFFECTS_EFFECT_H_
 #define IDIM_CORE_EFFECTS_EFFECT_H_
@@ -25,7 +25,8 @@
 
 namespace idim {
 
-// What an effect sees of one recording: N instants, n joints.
+// What an effect sees of one recording: N instants, n joints. MakeEffectMotion() of core/effects/effect_motion.h fills
+// it.
 struct EffectMotion {
   // Torque of links, drives and payload (friction apart) of the model so far at any state, with gravity [m/s^2] in the
   // base frame. n each.
@@ -41,7 +42,13 @@ struct EffectMotion {
   Eigen::MatrixXd q, dq, ddq;      // N x n
   Eigen::VectorXd velocity_sigma;  // n, standard deviations of dq
   Eigen::MatrixXd torque;          // N x n [N m or N], of the model so far, friction included
+  Eigen::MatrixXd rigid;           // N x n, rigid_torque at the recorded states with the robot's own gravity
+  Eigen::MatrixXd link;            // N x n, link_torque there: what the transmissions carry
+  // n, standard deviations of q after the filter; empty: not known, taken as zero.
+  Eigen::VectorXd position_sigma;
   RigidTorque rigid_torque;
+  RigidTorque
+      link_torque;  // rigid_torque less the drives' inertia, as far as the base parameters tell it from the links'
   BodyColumns body_columns;
 };
 

@@ -1,0 +1,83 @@
+// Hysteresis at velocity reversal (Dahl, 1968): before the joint slips, friction is an elastic function of
+// displacement that remembers where it turned.
+//
+//   dz/ds = (sign(dq) - z) / x_s    along the path length s;    torque Fh z
+//
+// Between two samples the joint moves one way, so that z <- s + (z - s) exp(-|step| / x_s), s the sign of the step, is
+// exact. z starts at 0 in each recording: what happened before is not known, and forgotten after a few x_s.
+//
+// Jitter of a joint at rest has a path length of its own, which would wear z away. Steps are therefore those of a
+// follower with play (the position moves within +-w before it follows), w three standard deviations of the filtered
+// position; real reversals are seen 2 w late, which matters only where x_s is no larger.
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/effects/columns.h"
+#include "core/effects/registry.h"
+
+namespace idim {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+double Play(const EffectMotion& motion, int joint) {
+  return motion.position_sigma.size() == 0 ? 0.0 : 3.0 * motion.position_sigma[joint];
+}
+
+class Presliding : public Effect {
+ public:
+  std::string id() const override { return "presliding"; }
+  EffectSite site() const override { return EffectSite::kJoint; }
+  std::string physics() const override {
+    return "Hysteresis at velocity reversal: contacts deform over a displacement of x_s before they slip (Dahl).";
+  }
+  std::string how_to_confirm() const override {
+    return "Move the joint to and fro by a few x_s, then by a hundredth of it, as slowly as it goes: torque against "
+           "position is a loop with rounded corners whose size is the same at half the speed.";
+  }
+
+  std::vector<Parameter> Parameters(const Robot& robot, const std::vector<int>& joints) const override {
+    return {JointParameter("Fh", OnlyJoint(joints), TorqueUnit(robot, joints[0]))};
+  }
+
+  // 1e-4 to 0.1 rad for a joint that moves by 2 rad.
+  std::vector<ShapeParameter> Shapes(const std::vector<EffectMotion>& motions,
+                                     const std::vector<int>& joints) const override {
+    const int joint = OnlyJoint(joints);
+    CHECK(!motions.empty());
+    const double range = PositionRange(motions, joint);
+    const double upper = range > 0.0 ? 0.05 * range : 0.1;
+    return {{"x_s", AngleUnit(*motions[0].robot, joint), 1e-3 * upper, upper, LogGrid(1e-3 * upper, upper, 10)}};
+  }
+
+  std::vector<EffectEntry> Columns(const EffectMotion& motion, const std::vector<int>& joints,
+                                   const VectorXd& shape) const override {
+    const int joint = OnlyJoint(joints);
+    CHECK_EQ(shape.size(), 1);
+    CHECK_GT(shape[0], 0.0);
+    const double play = Play(motion, joint);
+    const Index count = motion.q.rows();
+    VectorXd column(count);
+    double z = 0.0;
+    double follower = count > 0 ? motion.q(0, joint) : 0.0;
+    for (Index i = 0; i < count; ++i) {
+      const double q = motion.q(i, joint);
+      const double moved = std::clamp(follower, q - play, q + play) - follower;
+      follower += moved;
+      const double sign = (moved > 0.0) - (moved < 0.0);
+      z = sign + (z - sign) * std::exp(-std::abs(moved) / shape[0]);
+      column[i] = z;
+    }
+    return {{0, joint, column}};
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> MakePresliding() { return std::make_unique<Presliding>(); }
+
+}  // namespace idim

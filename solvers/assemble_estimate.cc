@@ -63,8 +63,8 @@ void SetParameters(const PreparedStudy& prepared, const std::vector<Parameter>& 
   }
 }
 
-void PredictAll(const PreparedStudy& prepared, const Study& study, const VectorXd& gains, const VectorXd& values,
-                int first_base, const PayloadColumns& columns, Identification* result) {
+ArmParameters ArmOf(const PreparedStudy& prepared, const Study& study, const VectorXd& gains, const VectorXd& values,
+                    int first_base, const PayloadColumns& columns) {
   ArmParameters arm;
   arm.gains = gains;
   arm.chi = values.segment(first_base, prepared.num_columns());
@@ -75,12 +75,16 @@ void PredictAll(const PreparedStudy& prepared, const Study& study, const VectorX
     }
     arm.payloads.push_back(body);
   }
+  return arm;
+}
+
+void PredictAll(const PreparedStudy& prepared, const ArmParameters& arm, Identification* result) {
   for (const PreparedRecording& recording : prepared.recordings) {
     result->series.push_back(Predict(prepared, recording, arm));
     result->estimate.recordings.push_back(FitOf(result->series.back()));
   }
   result->estimate.relative_error_percent = RelativeErrorPercent(result->series);
-  result->estimate.signal_noise = SignalDeviation(study, gains, result->series);
+  result->estimate.signal_noise = SignalDeviation(prepared.study, arm.gains, result->series);
 }
 
 void SetModelCovariance(const std::vector<Parameter>& unknowns, const MatrixXd& covariance, Estimate* estimate) {

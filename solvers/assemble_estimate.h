@@ -13,6 +13,7 @@
 #include "core/observation/prepared_study.h"
 #include "solvers/gain_verdict.h"
 #include "solvers/identification.h"
+#include "solvers/prediction.h"
 
 namespace idim {
 
@@ -29,10 +30,13 @@ void SetParameters(const PreparedStudy& prepared, const std::vector<Parameter>& 
                    const Eigen::MatrixXd& covariance, double degrees_of_freedom, int first_base,
                    const std::vector<std::string>& eliminated, Estimate* estimate);
 
-// Series and errors of every recording. `values` from `first_base` on: base parameters, then the unknown ones of the
-// payloads of `study` (that of `prepared`, or with parameters that it holds for known released) in `columns`.
-void PredictAll(const PreparedStudy& prepared, const Study& study, const Eigen::VectorXd& gains,
-                const Eigen::VectorXd& values, int first_base, const PayloadColumns& columns, Identification* result);
+// `values` from `first_base` on: base parameters, effects, then the unknown ones of the payloads of `study` (that of
+// `prepared`, or with parameters that it holds for known released) in `columns`.
+ArmParameters ArmOf(const PreparedStudy& prepared, const Study& study, const Eigen::VectorXd& gains,
+                    const Eigen::VectorXd& values, int first_base, const PayloadColumns& columns);
+
+// Series and errors of every recording.
+void PredictAll(const PreparedStudy& prepared, const ArmParameters& arm, Identification* result);
 
 // After SetParameters() with a robust covariance: that of independent samples beside it.
 void SetModelCovariance(const std::vector<Parameter>& unknowns, const Eigen::MatrixXd& covariance, Estimate* estimate);

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "solvers/least_squares.h"
+#include "solvers/long_run_covariance.h"
 
 namespace idim {
 namespace {
@@ -80,61 +81,8 @@ MatrixXd InverseOf(const MatrixXd& r) {
   return inverse_scale.asDiagonal() * MatrixXd(scaled.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(c, c)));
 }
 
-// Begin and end of the samples of each recording.
-std::vector<std::pair<Index, Index>> Recordings(const BundleData& data) {
-  std::vector<std::pair<Index, Index>> ranges;
-  const Index count = static_cast<Index>(data.samples.size());
-  for (Index begin = 0; begin < count;) {
-    Index end = begin;
-    while (end < count && data.samples[end].recording == data.samples[begin].recording) ++end;
-    ranges.emplace_back(begin, end);
-    begin = end;
-  }
-  return ranges;
-}
-
-// Andrews 1991, eq. (5.3), (6.2), (6.4): AR(1) of each parameter's influence, all of the same weight.
-int ChooseLag(const MatrixXd& influence, const std::vector<std::pair<Index, Index>>& recordings) {
-  double above = 0.0, below = 0.0;
-  Index shortest = influence.rows();
-  for (const auto& [begin, end] : recordings) shortest = std::min(shortest, end - begin);
-  for (Index a = 0; a < influence.cols(); ++a) {
-    double lagged = 0.0;
-    for (const auto& [begin, end] : recordings) {
-      lagged +=
-          influence.col(a).segment(begin, end - begin - 1).dot(influence.col(a).segment(begin + 1, end - begin - 1));
-    }
-    const double square = influence.col(a).squaredNorm();
-    if (!(square > 0.0)) continue;
-    const double rho = std::clamp(lagged / square, -0.97, 0.97);
-    above += 4.0 * rho * rho / (std::pow(1.0 - rho, 6) * std::pow(1.0 + rho, 2));
-    below += 1.0 / std::pow(1.0 - rho, 4);
-  }
-  if (!(below > 0.0)) return 0;
-  const double lag = 1.1447 * std::cbrt(above / below * static_cast<double>(influence.rows()));
-  return static_cast<int>(std::min(std::ceil(lag), static_cast<double>(shortest) / 3.0));
-}
-
 // Rows that are worked on together, so that what all samples need is not held twice.
 constexpr Index kBlockRows = 256;
-
-// Sum of autocovariances with Bartlett weights: the mean square of sums over moving windows, which reach over the ends.
-MatrixXd LongRunCovariance(const MatrixXd& rows, const std::vector<std::pair<Index, Index>>& recordings, int lag) {
-  MatrixXd sum = MatrixXd::Zero(rows.cols(), rows.cols()), windows(kBlockRows, rows.cols());
-  for (const auto& [begin, end] : recordings) {
-    Eigen::RowVectorXd window = Eigen::RowVectorXd::Zero(rows.cols());
-    Index filled = 0;
-    for (Index w = 0; w < end - begin + lag; ++w) {
-      if (begin + w < end) window += rows.row(begin + w);
-      if (w > lag) window -= rows.row(begin + w - lag - 1);
-      windows.row(filled++) = window;
-      if (filled < kBlockRows && w + 1 < end - begin + lag) continue;
-      sum.noalias() += windows.topRows(filled).transpose() * windows.topRows(filled) / (lag + 1.0);
-      filled = 0;
-    }
-  }
-  return sum;
-}
 
 // Kiefer & Vogelsang 2005, Bartlett, two-sided 95 %: polynomial of the critical value in b = lag / samples.
 double IntervalFactor(double b) { return (1.96 + 2.9694 * b + 0.4160 * b * b - 0.5324 * b * b * b) / 1.96; }
@@ -146,7 +94,7 @@ void SetCovariance(BundleProblem* problem, const BundleData& data, const Iterate
   const MatrixXd inverse = InverseOf(sensitivity.curvature);
   const MatrixXd bread = inverse * inverse.transpose();
   summary->covariance = bread * HuberNorm{options.huber_threshold * std::sqrt(data.dof)}.VarianceFactor(data.dof);
-  const std::vector<std::pair<Index, Index>> recordings = Recordings(data);
+  const std::vector<std::pair<Index, Index>> recordings = RecordingsOf(data);
   // Influence of each sample on the parameters.
   MatrixXd& influence = sensitivity.scores;
   for (Index first = 0; first < influence.rows(); first += kBlockRows) {

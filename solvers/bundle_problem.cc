@@ -161,6 +161,19 @@ BundleProblem::Evaluation BundleProblem::Evaluate(const VectorXd& theta, const V
   return result;
 }
 
+BundleProblem::Rows BundleProblem::Linearize(const VectorXd& theta, const VectorXd& sigma) {
+  Rows result;
+  const Index n = data_.dof;
+  result.rows.resize(n * static_cast<Index>(data_.samples.size()), data_.num_unknowns() + 1);
+  Set(theta, sigma);
+  for (size_t k = 0; k < data_.samples.size(); ++k) {
+    Whiten(data_.samples[k]);
+    result.rows.middleRows(n * static_cast<Index>(k), n) = rows_;
+    result.of_torque.push_back(whitened_drive_);
+  }
+  return result;
+}
+
 VectorXd BundleProblem::NextSigma(const Evaluation& at) const {
   const double samples = static_cast<double>(data_.samples.size());
   // Unknowns are shared between joints; each joint bears its part of the freedom they take.

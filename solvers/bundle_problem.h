@@ -57,6 +57,14 @@ class BundleProblem {
   };
   Sensitivity Scores(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
 
+  // All whitened rows, samples n x (c + 1): V^-1/2 [J | r]; and n x n of each sample, V^-1/2 diag(1/g) M^-1, by which a
+  // torque that the model lacks becomes a row: column = -of_torque * torque.
+  struct Rows {
+    RowMajorMatrix rows;
+    std::vector<Eigen::MatrixXd> of_torque;
+  };
+  Rows Linearize(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
+
   int num_gains() const { return data_.num_gains(); }
 
  private:

@@ -157,6 +157,14 @@ std::string Uncertainty(const BundleSummary& summary) {
 
 }  // namespace
 
+ArmParameters ArmOf(const PreparedStudy& prepared, const BundleData& data, const VectorXd& values) {
+  PayloadColumns columns = data.payload_columns;
+  for (auto& payload : columns) {
+    for (int& column : payload) column += column >= 0 ? data.num_gains() : 0;
+  }
+  return ArmOf(prepared, ReleaseUncertain(prepared.study), data.Gains(values), values, data.num_gains(), columns);
+}
+
 bool EivOptions::IsValid(std::string* error) const {
   if (!(huber_threshold >= 0.0)) {
     *error = "huber_threshold is " + std::to_string(huber_threshold) + "; expected 0 (no loss) or more";
@@ -244,12 +252,7 @@ Result<Identification> IdentifyEiv(const PreparedStudy& prepared, const GainSyst
   estimate.uncertainty = Uncertainty(summary);
   estimate.condition_number_weighted = summary.condition_number;
   estimate.signal_noise_decimated = summary.signal_sigma;
-  const Study released = ReleaseUncertain(study);
-  PayloadColumns columns = data->payload_columns;
-  for (auto& payload : columns) {
-    for (int& column : payload) column += column >= 0 ? data->num_gains() : 0;
-  }
-  PredictAll(prepared, released, data->Gains(summary.values), summary.values, data->num_gains(), columns, &result);
+  PredictAll(prepared, ArmOf(prepared, *data, summary.values), &result);
   return result;
 }
 

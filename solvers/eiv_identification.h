@@ -25,6 +25,7 @@
 #include "solvers/bundle.h"
 #include "solvers/gain_system.h"
 #include "solvers/identification.h"
+#include "solvers/prediction.h"
 
 namespace idim {
 
@@ -36,6 +37,9 @@ struct EivOptions {
 
   bool IsValid(std::string* error) const;
 };
+
+// The arm at the unknowns of a bundle.
+ArmParameters ArmOf(const PreparedStudy& prepared, const BundleData& data, const Eigen::VectorXd& values);
 
 // system: of the same study where gains are identified, else nullptr. options valid (CHECK). BadInput: a prior on a
 // parameter that the study does not identify; as BuildBundleData and CheckValidationPayloads. Untrusted in

@@ -87,7 +87,7 @@ Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const Linea
   estimate.eliminated = summary.eliminated;
   estimate.condition_number = summary.condition_number;
   estimate.condition_number_weighted = summary.condition_number_solved;
-  PredictAll(prepared, study, study.gains, summary.values, 0, columns, &result);
+  PredictAll(prepared, ArmOf(prepared, study, study.gains, summary.values, 0, columns), &result);
   return result;
 }
 
@@ -115,7 +115,7 @@ Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSy
   estimate.eliminated = summary.eliminated;
   estimate.condition_number = summary.condition_number;
   estimate.condition_number_weighted = summary.condition_number_solved;
-  PredictAll(prepared, study, summary.values.head(n), summary.values, n, columns, &result);
+  PredictAll(prepared, ArmOf(prepared, study, summary.values.head(n), summary.values, n, columns), &result);
   return result;
 }
 

@@ -30,6 +30,7 @@ struct ActiveEffect {
   const Effect* effect = nullptr;
   std::vector<int> joints;  // zero-based, see Effect::Parameters()
   Eigen::VectorXd shape;
+  Eigen::VectorXd values = {};  // of its linear parameters as last estimated; empty: not yet
 };
 
 struct PreparedStudy {

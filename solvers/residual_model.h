@@ -1,0 +1,80 @@
+// What a fitted bundle leaves unexplained, and what a torque that it lacks would explain of it.
+//
+// At the bundle's minimum the whitened residual r (a row a joint and sample, unit variance if the model were true) is
+// orthogonal to the whitened columns J of all unknowns, gains included. A torque column c becomes the whitened column
+// z = -V^-1/2 diag(1/g) M^-1 c; only its part z' orthogonal to J can explain anything that the model cannot imitate.
+//
+//   explained      |Z'+ r|^2, the decrease of the sum of squares (score test, one step from the minimum)
+//   statistic      Lagrange multiplier s' S^-1 s of the scores s = Z'^T r with the long-run covariance S, which knows
+//                  that residuals are correlated in time and between joints (solvers/long_run_covariance.h); as F with
+//                  (p, K / (lag + 1) - p) degrees, for S is estimated from that many independent pieces
+//   held out       folds of contiguous blocks of every recording: all unknowns, with and without Z, are fitted on the
+//                  other folds (linearised at the minimum), and the squares compared on the fold left out
+
+#ifndef IDIM_SOLVERS_RESIDUAL_MODEL_H_
+#define IDIM_SOLVERS_RESIDUAL_MODEL_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/observation/prepared_study.h"
+#include "solvers/bundle.h"
+#include "solvers/bundle_data.h"
+#include "solvers/long_run_covariance.h"
+
+namespace idim {
+
+class ResidualModel {
+ public:
+  // summary: usable, of `data` of `prepared` (CHECK).
+  ResidualModel(const PreparedStudy& prepared, const BundleData& data, const BundleSummary& summary, int folds = 8);
+
+  int dof() const { return dof_; }
+  Eigen::Index samples() const { return static_cast<Eigen::Index>(of_torque_.size()); }
+  // samples n.
+  const Eigen::VectorXd& residual() const { return residual_; }
+  // samples x n [N m or N]: the residual and the measured torque at the estimated gains.
+  Eigen::MatrixXd TorqueResidual() const;
+  const Eigen::MatrixXd& torque() const { return torque_; }
+  const SampleRanges& recordings() const { return recordings_; }
+
+  // Whitened columns of decimated torques: one matrix of samples x parameters a joint that has any, in the order of
+  // `joints`. Returns samples n x parameters.
+  Eigen::MatrixXd Whiten(const std::vector<int>& joints, const std::vector<Eigen::MatrixXd>& torques) const;
+
+  // Orthonormal columns of what Z leaves beside J; columns that J and the ones before imitate but for a share
+  // `tolerance` are dropped. samples n x (<= parameters).
+  Eigen::MatrixXd Remainder(const Eigen::MatrixXd& z, double tolerance = 0.02) const;
+
+  double Explained(const Eigen::MatrixXd& remainder) const;
+
+  struct Score {
+    double statistic = 0.0;
+    double p_value = 1.0;
+    int degrees = 0;
+    int lag = 0;
+  };
+  Score Test(const Eigen::MatrixXd& remainder) const;
+
+  struct HeldOut {
+    Eigen::MatrixXd squares;   // folds x n, of whitened residuals on rows not fitted
+    Eigen::MatrixXd residual;  // samples x n [N m or N], each from the fit that did not see it
+  };
+  // With extra columns (samples n x p, of Remainder(); p may be 0).
+  HeldOut CrossValidate(const Eigen::MatrixXd& remainder) const;
+
+ private:
+  int dof_;
+  SampleRanges recordings_;
+  std::vector<int> fold_;  // of each sample
+  int folds_;
+  Eigen::MatrixXd q_;  // samples n x c, orthonormal: the space of J
+  Eigen::VectorXd residual_;
+  std::vector<Eigen::MatrixXd> of_torque_;  // BundleProblem::Rows
+  std::vector<Eigen::MatrixXd> to_torque_;  // inverse
+  Eigen::MatrixXd torque_;
+};
+
+}  // namespace idim
+
+#endif  // IDIM_SOLVERS_RESIDUAL_MODEL_H_

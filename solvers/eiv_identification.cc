@@ -177,36 +177,35 @@ bool EivOptions::IsValid(std::string* error) const {
   return IsValidEssentialRatio(essential_ratio, error);
 }
 
-Result<Identification> IdentifyEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options) {
+Result<EivFit> FitEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
-  const Study& study = prepared.study;
-  const bool identify = study.gains_mode == GainsMode::kIdentify;
+  const bool identify = prepared.study.gains_mode == GainsMode::kIdentify;
   CHECK_EQ(identify, system != nullptr);
-  if (Status status = CheckValidationPayloads(study); !status.ok()) return status;
-  const Result<BundleData> data = BuildBundleData(prepared);
+  if (Status status = CheckValidationPayloads(prepared.study); !status.ok()) return status;
+  Result<BundleData> data = BuildBundleData(prepared);
   if (!data.ok()) return data.status();
 
-  Identification result;
-  Estimate& estimate = result.estimate;
+  EivFit fit;
+  fit.data = std::move(data).value();
+  Estimate& estimate = fit.estimate;
   std::vector<Start> starts;
   Status start_status;
+  estimate = BeginEstimate(prepared, Status::Ok(), "eiv");
   if (identify) {
     GainOptions closed;
     closed.estimator = GainEstimator::kWgtls;
     const GainSummary wgtls = SolveGains(*system, closed);
     closed.estimator = GainEstimator::kWls;
     const GainSummary wls = SolveGains(*system, closed);
-    starts = GainStarts(*system, *data, wgtls, wls);
+    starts = GainStarts(*system, fit.data, wgtls, wls);
     start_status = wls.status;
-    estimate = BeginEstimate(prepared, Status::Ok(), "eiv");
     for (const GainVerdict& verdict : wls.verdicts) estimate.gain_diagnoses.push_back(DescribeGain(verdict));
     estimate.condition_number = wls.condition_number;
   } else {
-    Result<Identification> wls = IdentifyLinear(prepared, LinearOptions());
+    const Result<Identification> wls = IdentifyLinear(prepared, LinearOptions());
     if (!wls.ok()) return wls.status();
     start_status = wls->estimate.status;
-    estimate = BeginEstimate(prepared, Status::Ok(), "eiv");
     if (start_status.ok()) {
       std::vector<Parameter> names;
       VectorXd values(static_cast<Index>(wls->estimate.parameters.size()));
@@ -214,46 +213,60 @@ Result<Identification> IdentifyEiv(const PreparedStudy& prepared, const GainSyst
         values[static_cast<Index>(names.size())] = p.value;
         names.push_back(p.parameter);
       }
-      starts.push_back({"WLS", ByName(names, values, *data)});
+      starts.push_back({"WLS", ByName(names, values, fit.data)});
       estimate.condition_number = wls->estimate.condition_number;
     }
   }
   if (starts.empty()) {
-    estimate.status = start_status;
-    return result;
+    estimate.status = fit.summary.status = start_status;
+    return fit;
   }
-
   BundleOptions bundle;
-  bundle.priors = data->priors;
+  bundle.priors = fit.data.priors;
   bundle.huber_threshold = options.huber_threshold;
-  BundleSummary summary = SolveFrom(starts, prepared, *data, bundle, &estimate.start);
-  if (summary.IsSolutionUsable() && options.essential_ratio > 0.0) {
-    estimate.eliminated = Inessential(*data, summary, options.essential_ratio);
-    VectorXd from = summary.values;
-    for (int k = 0; k < data->num_unknowns(); ++k) {
-      const auto& dropped = estimate.eliminated;
-      if (std::find(dropped.begin(), dropped.end(), data->unknowns[k].name) == dropped.end()) continue;
-      bundle.priors.push_back({k, 0.0, kHeld * std::sqrt(summary.covariance(k, k))});
+  fit.summary = SolveFrom(starts, prepared, fit.data, bundle, &estimate.start);
+  if (fit.summary.IsSolutionUsable() && options.essential_ratio > 0.0) {
+    const std::vector<std::string> dropped = Inessential(fit.data, fit.summary, options.essential_ratio);
+    VectorXd from = fit.summary.values;
+    for (int k = 0; k < fit.data.num_unknowns(); ++k) {
+      if (std::find(dropped.begin(), dropped.end(), fit.data.unknowns[k].name) == dropped.end()) continue;
+      bundle.priors.push_back({k, 0.0, kHeld * std::sqrt(fit.summary.covariance(k, k))});
       from[k] = 0.0;
     }
-    summary = SolveBundle(prepared.base, *data, from, bundle);
+    fit.summary = SolveBundle(prepared.base, fit.data, from, bundle);
+    estimate.eliminated = dropped;
   }
-  estimate.status = summary.status;
-  if (summary.robust_covariance.size() == 0) return result;
-  const VectorXd a_priori = identify ? study.gains : VectorXd();
-  if (estimate.status.ok()) estimate.status = CheckGains(*data, summary, a_priori, options.max_spread_percent);
+  estimate.status = fit.summary.status;
+  const VectorXd a_priori = identify ? prepared.study.gains : VectorXd();
+  if (estimate.status.ok()) {
+    estimate.status = CheckGains(fit.data, fit.summary, a_priori, options.max_spread_percent);
+  }
+  return fit;
+}
 
-  SetParameters(prepared, data->unknowns, summary.values, summary.robust_covariance, summary.degrees_of_freedom,
-                data->num_gains(), estimate.eliminated, &estimate);
+Identification IdentificationOf(const PreparedStudy& prepared, const BundleData& data, const BundleSummary& summary,
+                                const Estimate& begun) {
+  Identification result;
+  Estimate& estimate = result.estimate;
+  estimate = begun;
+  if (summary.robust_covariance.size() == 0) return result;
+  SetParameters(prepared, data.unknowns, summary.values, summary.robust_covariance, summary.degrees_of_freedom,
+                data.num_gains(), estimate.eliminated, &estimate);
   for (ParameterEstimate& p : estimate.parameters) {
     SetInterval95(summary.degrees_of_freedom, &p, summary.interval_factor);
   }
-  SetModelCovariance(data->unknowns, summary.covariance, &estimate);
+  SetModelCovariance(data.unknowns, summary.covariance, &estimate);
   estimate.uncertainty = Uncertainty(summary);
   estimate.condition_number_weighted = summary.condition_number;
   estimate.signal_noise_decimated = summary.signal_sigma;
-  PredictAll(prepared, ArmOf(prepared, *data, summary.values), &result);
+  PredictAll(prepared, ArmOf(prepared, data, summary.values), &result);
   return result;
+}
+
+Result<Identification> IdentifyEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options) {
+  const Result<EivFit> fit = FitEiv(prepared, system, options);
+  if (!fit.ok()) return fit.status();
+  return IdentificationOf(prepared, fit->data, fit->summary, fit->estimate);
 }
 
 }  // namespace idim

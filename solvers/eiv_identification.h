@@ -38,6 +38,20 @@ struct EivOptions {
   bool IsValid(std::string* error) const;
 };
 
+// The bundle of a study, solved.
+struct EivFit {
+  BundleData data;
+  BundleSummary summary;
+  Estimate estimate;  // status, names, start, gain diagnoses, what is eliminated; no parameters
+};
+
+// As IdentifyEiv().
+Result<EivFit> FitEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options);
+
+// Parameters, intervals and predictions added to a begun estimate; nothing where the bundle has no covariance.
+Identification IdentificationOf(const PreparedStudy& prepared, const BundleData& data, const BundleSummary& summary,
+                                const Estimate& begun);
+
 // The arm at the unknowns of a bundle.
 ArmParameters ArmOf(const PreparedStudy& prepared, const BundleData& data, const Eigen::VectorXd& values);
 

@@ -37,6 +37,9 @@ class ResidualModel {
   Eigen::MatrixXd TorqueResidual() const;
   const Eigen::MatrixXd& torque() const { return torque_; }
   const SampleRanges& recordings() const { return recordings_; }
+  // The fold of each sample, below num_folds().
+  const std::vector<int>& folds() const { return fold_; }
+  int num_folds() const { return folds_; }
 
   // Whitened columns of decimated torques: one matrix of samples x parameters a joint that has any, in the order of
   // `joints`. Returns samples n x parameters.

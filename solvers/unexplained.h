@@ -28,7 +28,6 @@ struct Unexplained {
 struct UnexplainedOptions {
   double significance = 0.01;  // in (0, 1)
   int shifts = 199;            // >= 99; the p-value is no smaller than 1 / (shifts + 1)
-  int threads = 1;
 };
 
 // At most one a joint, its best; a pair only where it takes away more than either of its signals by a fifth.

@@ -1,0 +1,352 @@
+#include "solvers/close_loop.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/text.h"
+#include "solvers/active_effects.h"
+
+namespace idim {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Folds cannot tell two candidates apart below this many standard errors of their difference; and are sure above.
+constexpr double kSame = 1.0, kSure = 2.0;
+constexpr int kSweeps = 2;
+
+// A fitted model with what it leaves.
+struct Judged {
+  EffectFit fit;
+  ResidualModel residual;
+  MatrixXd held_out;  // samples x n [N m or N]
+
+  explicit Judged(EffectFit fit_in)
+      : fit(std::move(fit_in)),
+        residual(fit.prepared, fit.data, fit.summary),
+        held_out(residual.CrossValidate(MatrixXd(residual.residual().size(), 0)).residual) {}
+};
+
+VectorXd PerJoint(const MatrixXd& residual, const MatrixXd& torque) {
+  return 100.0 * residual.colwise().norm().cwiseQuotient(torque.colwise().norm()).transpose();
+}
+
+// Sum of squared held-out residuals relative to the joint's torque, of the joints of an effect (all: none named).
+double HeldOutSquares(const Judged& model, const std::vector<int>& joints) {
+  double sum = 0.0;
+  for (int j = 0; j < model.residual.dof(); ++j) {
+    if (!joints.empty() && std::find(joints.begin(), joints.end(), j) == joints.end()) continue;
+    sum += model.held_out.col(j).squaredNorm() / model.residual.torque().col(j).squaredNorm();
+  }
+  return sum;
+}
+
+// The same a fold.
+VectorXd HeldOutByFold(const Judged& model, const std::vector<int>& joints) {
+  VectorXd sum = VectorXd::Zero(model.residual.num_folds());
+  for (int j = 0; j < model.residual.dof(); ++j) {
+    if (!joints.empty() && std::find(joints.begin(), joints.end(), j) == joints.end()) continue;
+    const double torque = model.residual.torque().col(j).squaredNorm();
+    for (Index k = 0; k < model.held_out.rows(); ++k) {
+      sum[model.residual.folds()[static_cast<size_t>(k)]] += std::pow(model.held_out(k, j), 2) / torque;
+    }
+  }
+  return sum;
+}
+
+double StandardErrorOfSum(const VectorXd& folds) {
+  const double count = static_cast<double>(folds.size());
+  return std::sqrt(count / (count - 1.0) * (folds.array() - folds.mean()).matrix().squaredNorm());
+}
+
+LoopErrors ErrorsOf(const Judged& model, bool by_blocks) {
+  LoopErrors errors;
+  const MatrixXd torque = model.residual.torque(), residual = model.residual.TorqueResidual();
+  errors.identification = 100.0 * residual.norm() / torque.norm();
+  errors.identification_per_joint = PerJoint(residual, torque);
+  if (by_blocks) {
+    errors.validation = 100.0 * model.held_out.norm() / torque.norm();
+    errors.validation_per_joint = PerJoint(model.held_out, torque);
+    return errors;
+  }
+  const ArmParameters arm = model.fit.Arm();
+  VectorXd squares = VectorXd::Zero(model.residual.dof()), torques = squares;
+  for (const PreparedRecording& recording : model.fit.prepared.recordings) {
+    if (recording.entry.use == Use::kIdentification) continue;
+    const RecordingSeries series = Predict(model.fit.prepared, recording, arm);
+    squares += (series.decimated_torque - series.decimated_model).colwise().squaredNorm().transpose();
+    torques += series.decimated_torque.colwise().squaredNorm().transpose();
+  }
+  errors.validation = 100.0 * std::sqrt(squares.sum() / torques.sum());
+  errors.validation_per_joint = 100.0 * squares.cwiseQuotient(torques).cwiseSqrt();
+  return errors;
+}
+
+std::vector<MovedParameter> MovedBetween(const EffectFit& before, const EffectFit& after) {
+  std::vector<MovedParameter> moved;
+  const double factor = 1.96 * before.summary.interval_factor;
+  for (int a = 0; a < before.data.num_unknowns(); ++a) {
+    const double deviation = std::sqrt(before.summary.robust_covariance(a, a));
+    for (int b = 0; b < after.data.num_unknowns(); ++b) {
+      if (after.data.unknowns[b].name != before.data.unknowns[a].name) continue;
+      const double was = before.summary.values[a], is = after.summary.values[b];
+      if (std::abs(is - was) > factor * deviation && before.data.unknowns[a].kind != ParameterKind::kEffect) {
+        moved.push_back({before.data.unknowns[a], was, is, deviation});
+      }
+    }
+  }
+  return moved;
+}
+
+class Loop {
+ public:
+  Loop(const LoopOptions& options, Judged declared) : options_(options), model_(std::move(declared)) {}
+
+  const Judged& model() const { return model_; }
+
+  // Adds one effect. False: nothing passes.
+  Result<bool> Add(LoopResult* result) {
+    const EffectScan scan = Scan(model_, {});
+    std::vector<EffectCandidate> passing;
+    for (const EffectCandidate& candidate : scan.candidates) {
+      const bool aside = std::any_of(aside_.begin(), aside_.end(),
+                                     [&](const ActiveEffect& effect) { return SameEffect(effect, candidate.effect); });
+      if (!aside && Passes(candidate)) passing.push_back(candidate);
+    }
+    while (!passing.empty()) {
+      const size_t chosen = Choose(passing);
+      Say("fitting with " + EffectTitle(passing[chosen].effect));
+      Result<EffectFit> fit = With(passing[chosen].effect);
+      if (fit.ok()) {
+        Judged next(std::move(fit).value());
+        if (IsBetter(model_, next, passing[chosen].effect.joints)) {
+          Record(scan, passing, chosen, next, result);
+          model_ = std::move(next);
+          return true;
+        }
+      }
+      aside_.push_back(passing[chosen].effect);
+      passing.erase(passing.begin() + static_cast<std::ptrdiff_t>(chosen));
+    }
+    return false;
+  }
+
+  // Drops or replaces effects beside all others. False: nothing changed.
+  bool Reconsider(LoopResult* result) {
+    bool changed = false;
+    for (size_t e = 0; e < model_.fit.prepared.effects.size();) {
+      const ActiveEffect effect = model_.fit.prepared.effects[e];
+      Say("is " + EffectTitle(effect) + " needed beside the others?");
+      std::vector<ActiveEffect> others = model_.fit.prepared.effects;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(e));
+      Result<EffectFit> fit = Refit(model_.fit, others);
+      if (!fit.ok()) {
+        ++e;
+        continue;
+      }
+      Judged without(std::move(fit).value());
+      if (!IsBetter(without, model_, effect.joints)) {
+        result->dropped.push_back(EffectTitle(effect) + " is not needed beside what was found later");
+        Forget(effect, result);
+        model_ = std::move(without);
+        changed = true;
+        continue;
+      }
+      if (ReplaceBetter(effect, std::move(without), result)) changed = true;
+      ++e;
+    }
+    return changed;
+  }
+
+ private:
+  void Say(const std::string& text) const {
+    if (options_.progress) {
+      options_.progress(Format("%d effects, ", static_cast<int>(model_.fit.prepared.effects.size())) + text);
+    }
+  }
+
+  EffectScan Scan(const Judged& model, const std::vector<int>& only_joints) const {
+    ScanOptions options;
+    options.significance = options_.significance;
+    options.threads = options_.threads;
+    options.only_joints = only_joints;
+    options.progress = [this](const std::string& text) { Say(text); };
+    return ScanEffects(model.fit.prepared, model.residual, model.fit.Arm(), options);
+  }
+
+  // margin of an error is twice that of its square.
+  bool Passes(const EffectCandidate& candidate) const {
+    return candidate.held_out_decrease > 2.0 * options_.margin &&
+           candidate.held_out_decrease > kSure * candidate.held_out_error;
+  }
+
+  // The best by held-out squares; of those that cannot be told from it, the one with the fewest parameters.
+  static size_t Choose(const std::vector<EffectCandidate>& passing) {
+    size_t chosen = 0;
+    for (size_t k = 1; k < passing.size(); ++k) {
+      const VectorXd behind = passing[0].held_out_gain - passing[k].held_out_gain;
+      if (behind.sum() > kSame * StandardErrorOfSum(behind) || !Overlap(passing[0], passing[k])) continue;
+      if (passing[k].parameters < passing[chosen].parameters) chosen = k;
+    }
+    return chosen;
+  }
+
+  // Explains the same: what is left of b's columns beside a explains less than half of what b does alone.
+  static bool Overlap(const EffectCandidate& a, const EffectCandidate& b) {
+    return (a.remainder.transpose() * b.remainder).squaredNorm() > 0.0 && SharedShare(a, b) > 0.5;
+  }
+  static double SharedShare(const EffectCandidate& a, const EffectCandidate& b) {
+    // Cosines between the spaces, weighted by nothing: both are orthonormal.
+    return (a.remainder.transpose() * b.remainder).squaredNorm() /
+           static_cast<double>(std::min(a.remainder.cols(), b.remainder.cols()));
+  }
+
+  Result<EffectFit> With(const ActiveEffect& effect) const {
+    std::vector<ActiveEffect> effects = model_.fit.prepared.effects;
+    effects.push_back(effect);
+    return Refit(model_.fit, effects);
+  }
+
+  // The held-out error of `with` is below that of `without` by the margin and by more than the folds' uncertainty.
+  bool IsBetter(const Judged& without, const Judged& with, const std::vector<int>& joints) const {
+    const VectorXd gain = HeldOutByFold(without, joints) - HeldOutByFold(with, joints);
+    const double needed = 1.0 - std::pow(1.0 - options_.margin, 2);
+    return gain.sum() > needed * HeldOutSquares(without, joints) && gain.sum() > kSame * StandardErrorOfSum(gain);
+  }
+
+  void Record(const EffectScan& scan, const std::vector<EffectCandidate>& passing, size_t chosen, const Judged& next,
+              LoopResult* result) const {
+    LoopStep step;
+    step.effect = next.fit.prepared.effects.back();
+    step.candidate = passing[chosen];
+    step.threshold = options_.significance;
+    step.before = ErrorsOf(model_, result->held_out_by_blocks);
+    step.after = ErrorsOf(next, result->held_out_by_blocks);
+    step.moved = MovedBetween(model_.fit, next.fit);
+    for (const EffectCandidate& candidate : scan.candidates) {
+      step.ranking.push_back(candidate);
+      step.ranking.back().remainder.resize(0, 0);
+    }
+    for (size_t k = 0; k < passing.size(); ++k) {
+      const VectorXd behind = passing[chosen].held_out_gain - passing[k].held_out_gain;
+      if (k == chosen || !Overlap(passing[chosen], passing[k]) || behind.sum() > kSure * StandardErrorOfSum(behind))
+        continue;
+      const MatrixXd residual = model_.residual.CrossValidate(passing[k].remainder).residual;
+      step.confusable_with.push_back({passing[k].effect, 100.0 * residual.norm() / model_.residual.torque().norm()});
+    }
+    step.candidate.remainder.resize(0, 0);
+    result->steps.push_back(std::move(step));
+  }
+
+  static void Forget(const ActiveEffect& effect, LoopResult* result) {
+    auto& steps = result->steps;
+    steps.erase(
+        std::remove_if(steps.begin(), steps.end(), [&](const LoopStep& s) { return SameEffect(s.effect, effect); }),
+        steps.end());
+  }
+
+  // A rival at the same place, beside all other effects. `without`: the model that lacks `effect`.
+  bool ReplaceBetter(const ActiveEffect& effect, Judged without, LoopResult* result) {
+    if (effect.joints.empty()) return false;
+    const EffectScan scan = Scan(without, effect.joints);
+    for (const EffectCandidate& candidate : scan.candidates) {
+      if (SameEffect(candidate.effect, effect) || !Passes(candidate)) continue;
+      const bool active = std::any_of(without.fit.prepared.effects.begin(), without.fit.prepared.effects.end(),
+                                      [&](const ActiveEffect& other) { return SameEffect(other, candidate.effect); });
+      if (active) continue;
+      std::vector<ActiveEffect> effects = without.fit.prepared.effects;
+      effects.push_back(candidate.effect);
+      Result<EffectFit> fit = Refit(without.fit, effects);
+      if (!fit.ok()) continue;
+      Judged next(std::move(fit).value());
+      const VectorXd gain = HeldOutByFold(model_, effect.joints) - HeldOutByFold(next, effect.joints);
+      if (gain.sum() <= kSure * StandardErrorOfSum(gain) || gain.sum() <= 0.0) break;  // the best of them is no better
+      result->dropped.push_back(EffectTitle(effect) + " is replaced by " + EffectTitle(candidate.effect) +
+                                ", which explains more beside what was found later");
+      Forget(effect, result);
+      std::vector<EffectCandidate> passing = {candidate};
+      Judged model = std::move(model_);
+      model_ = std::move(without);
+      Record(scan, passing, 0, next, result);
+      model_ = std::move(next);
+      return true;
+    }
+    return false;
+  }
+
+  const LoopOptions& options_;
+  Judged model_;
+  std::vector<ActiveEffect> aside_;
+};
+
+}  // namespace
+
+bool LoopOptions::IsValid(std::string* error) const {
+  if (!(significance > 0.0 && significance < 1.0)) {
+    *error = "significance is " + FormatNumber(significance) + "; expected a number between 0 and 1";
+    return false;
+  }
+  if (!(margin > 0.0 && margin < 1.0)) {
+    *error = "margin is " + FormatNumber(margin) + "; expected a number between 0 and 1";
+    return false;
+  }
+  if (max_effects < 0) {
+    *error = "max_effects is " + std::to_string(max_effects) + "; expected at least 0";
+    return false;
+  }
+  if (threads < 1) {
+    *error = "threads is " + std::to_string(threads) + "; expected at least 1";
+    return false;
+  }
+  return true;
+}
+
+Result<LoopResult> CloseLoop(const PreparedStudy& prepared, const LoopOptions& options) {
+  std::string error;
+  CHECK(options.IsValid(&error)) << error;
+  LoopResult result(prepared);
+  result.given = options;
+  for (const PreparedRecording& recording : prepared.recordings) {
+    result.held_out_by_blocks &= recording.entry.use == Use::kIdentification;
+  }
+  if (options.progress) options.progress("fitting the declared model");
+  Result<EffectFit> declared = FitDeclared(prepared);
+  if (!declared.ok()) {
+    if (declared.status().code() == StatusCode::kBadInput) return declared.status();
+    result.status = declared.status();
+    return result;
+  }
+  result.before = IdentificationOf(*declared);
+  Loop loop(options, Judged(std::move(declared).value()));
+  result.declared = ErrorsOf(loop.model(), result.held_out_by_blocks);
+  for (int sweep = 0; sweep <= kSweeps; ++sweep) {
+    bool added = false;
+    while (static_cast<int>(loop.model().fit.prepared.effects.size()) < options.max_effects) {
+      const Result<bool> more = loop.Add(&result);
+      if (!more.ok()) return more.status();
+      if (!*more) break;
+      added = true;
+    }
+    if (sweep == kSweeps || (sweep > 0 && !added) || !loop.Reconsider(&result)) break;
+  }
+  result.final = ErrorsOf(loop.model(), result.held_out_by_blocks);
+  // Values and shapes of the last fit, in which effects found later take part.
+  for (LoopStep& step : result.steps) {
+    for (const ActiveEffect& effect : loop.model().fit.prepared.effects) {
+      if (SameEffect(step.effect, effect)) step.effect = effect;
+    }
+  }
+  if (options.progress) options.progress("what is left");
+  result.unexplained = FindUnexplained(loop.model().fit.prepared, loop.model().residual, UnexplainedOptions());
+  result.after = IdentificationOf(loop.model().fit);
+  result.prepared = loop.model().fit.prepared;
+  result.status = result.after.estimate.status;
+  return result;
+}
+
+}  // namespace idim

@@ -90,17 +90,28 @@ ResidualModel::Score ResidualModel::Test(const MatrixXd& remainder) const {
   Score score;
   score.degrees = static_cast<int>(remainder.cols());
   if (score.degrees == 0) return score;
-  MatrixXd scores = MatrixXd::Zero(samples(), remainder.cols());
+  const VectorXd sum = remainder.transpose() * residual_;
+  const VectorXd rest = residual_ - remainder * sum;
+  MatrixXd scores(samples(), remainder.cols());
+  VectorXd leverage(samples());
   for (Index k = 0; k < samples(); ++k) {
-    scores.row(k) = residual_.segment(k * dof_, dof_).transpose() * remainder.middleRows(k * dof_, dof_);
+    const auto rows = remainder.middleRows(k * dof_, dof_);
+    scores.row(k) = rest.segment(k * dof_, dof_).transpose() * rows;
+    leverage[k] = rows.squaredNorm();
   }
-  const VectorXd sum = scores.colwise().sum();
-  // Under the null the mean is zero; taken out, it does not swell the covariance where there is an effect.
-  const MatrixXd centred = scores.rowwise() - scores.colwise().mean();
-  score.lag = ChooseLag(centred, recordings_);
-  const MatrixXd covariance = LongRunCovariance(centred, recordings_, score.lag);
+  score.lag = ChooseLag(scores, recordings_);
+  const MatrixXd covariance = LongRunCovariance(scores, recordings_, score.lag);
   score.statistic = sum.dot(covariance.ldlt().solve(sum));
-  const double pieces = static_cast<double>(samples()) / (score.lag + 1.0), p = score.degrees;
+  // Of how many pieces, each as long as the correlation lasts, the effect is told.
+  double pieces = 0.0;
+  for (const auto& [begin, end] : recordings_) {
+    for (Index k = begin; k < end; k += score.lag + 1) {
+      pieces += std::pow(leverage.segment(k, std::min<Index>(score.lag + 1, end - k)).sum(), 2);
+    }
+  }
+  pieces = std::pow(leverage.sum(), 2) / pieces;
+  score.pieces = pieces;
+  const double p = score.degrees;
   if (!(score.statistic > 0.0) || !std::isfinite(score.statistic) || pieces <= p + 1.0) return score;
   const double f = score.statistic / p * (pieces - p) / pieces;
   score.p_value = boost::math::cdf(boost::math::complement(boost::math::fisher_f(p, pieces - p), f));

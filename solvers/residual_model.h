@@ -5,9 +5,11 @@
 // z = -V^-1/2 diag(1/g) M^-1 c; only its part z' orthogonal to J can explain anything that the model cannot imitate.
 //
 //   explained      |Z'+ r|^2, the decrease of the sum of squares (score test, one step from the minimum)
-//   statistic      Lagrange multiplier s' S^-1 s of the scores s = Z'^T r with the long-run covariance S, which knows
+//   statistic      s' S^-1 s of the scores s = Z'^T r with the long-run covariance S of what the effect leaves (Wald:
+//                  with the effect's own torque in S, one that acts in short spells would hide itself), which knows
 //                  that residuals are correlated in time and between joints (solvers/long_run_covariance.h); as F with
-//                  (p, K / (lag + 1) - p) degrees, for S is estimated from that many independent pieces
+//                  (p, m - p) degrees, m = (sum h)^2 / sum h^2 the number of pieces, of the length of the correlation,
+//                  from which the effect is told: an effect of one spell, however large, is one observation
 //   held out       folds of contiguous blocks of every recording: all unknowns, with and without Z, are fitted on the
 //                  other folds (linearised at the minimum), and the squares compared on the fold left out
 
@@ -56,6 +58,7 @@ class ResidualModel {
     double p_value = 1.0;
     int degrees = 0;
     int lag = 0;
+    double pieces = 0.0;
   };
   Score Test(const Eigen::MatrixXd& remainder) const;
 

@@ -51,7 +51,7 @@ class GainSaturation : public Effect {
 
   std::vector<Parameter> Parameters(const Robot& robot, const std::vector<int>& joints) const override {
     const int joint = OnlyJoint(joints);
-    return {JointParameter("Ksat", joint, "1/(" + TorqueUnit(robot, joint) + ")^2")};
+    return {JointParameter("Ksat", joint, IsPrismatic(robot, joint) ? "1/N^2" : "1/(N.m)^2")};
   }
 
   std::vector<EffectEntry> Columns(const EffectMotion& motion, const std::vector<int>& joints,

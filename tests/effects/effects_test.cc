@@ -146,6 +146,12 @@ TEST(EffectsTest, ShapeGridsIncreaseWithinTheirLimits) {
   for (size_t k = 1; k < orders.size(); ++k) EXPECT_LE(orders[k] - orders[k - 1], 0.5 * M_PI / range + 1e-9);
   EXPECT_LT(orders.back() * speed, M_PI * 500.0);
   EXPECT_GT(orders.back(), 0.99 * std::min(300.0, M_PI * 500.0 / speed));
+  // A slow clock ends the grid at the order that would alias at the largest speed, transmission or not.
+  const std::vector<EffectMotion> slow = {arm.Motion(0.0, 0.025, 100)};
+  const std::vector<double> few = FindEffect("torque_ripple")->Shapes(slow, {1})[0].grid;
+  const double slow_speed = slow[0].dq.col(1).cwiseAbs().maxCoeff();
+  EXPECT_NEAR(few.back(), M_PI * 40.0 / slow_speed, 1e-6 * few.back());
+  EXPECT_GT(32.0 * 4.0, few.back());
   for (const double multiple : {1.0, 2.0, 4.0}) EXPECT_THAT(orders, Contains(DoubleNear(32.0 * multiple, 1e-9)));
 }
 

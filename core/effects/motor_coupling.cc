@@ -1,10 +1,14 @@
-// Inertia and viscous friction shared between the drives of two joints (eq. (25) without its dry part): a motor
-// that turns with both joints loads each of them with the motion of the other,
-//   tau_a += Iab ddq_b + Fab dq_b,    tau_b += Iab ddq_a + Fab dq_a.
-// What each carries by its own motion is in Ia and Fv.
+// Inertia and friction shared between the drives of two joints (eq. (25) of Gautier & Briot): a motor that turns with
+// both joints, by the sum of their velocities, loads each of them with the motion of the other,
+//   tau_a += Iab ddq_b + Fab dq_b + Cab sign(dq_a + dq_b),    tau_b likewise with a.
+// What each carries by its own motion is in Ia and Fv. A motor that turns with the difference has negative Iab and Fab;
+// its dry friction is not in the columns.
 
 #include <glog/logging.h>
 
+#include <cmath>
+
+#include "core/dynamics/standard_model.h"
 #include "core/effects/columns.h"
 #include "core/effects/registry.h"
 
@@ -30,7 +34,8 @@ class MotorCoupling : public Effect {
     const char* const inertia[] = {"kg.m^2", "kg.m", "kg"};
     const char* const viscous[] = {"N.m.s/rad", "N.s/rad", "N.s/m"};
     return {{"Iab" + pair, ParameterKind::kEffect, joints[0] + 1, inertia[prismatic]},
-            {"Fab" + pair, ParameterKind::kEffect, joints[0] + 1, viscous[prismatic]}};
+            {"Fab" + pair, ParameterKind::kEffect, joints[0] + 1, viscous[prismatic]},
+            {"Cab" + pair, ParameterKind::kEffect, joints[0] + 1, prismatic == 2 ? "N" : "N.m"}};
   }
 
   std::vector<EffectEntry> Columns(const EffectMotion& motion, const std::vector<int>& joints,
@@ -38,7 +43,15 @@ class MotorCoupling : public Effect {
     Check(joints);
     CHECK_EQ(shape.size(), 0);
     const int a = joints[0], b = joints[1];
-    return {{0, a, motion.ddq.col(b)}, {0, b, motion.ddq.col(a)}, {1, a, motion.dq.col(b)}, {1, b, motion.dq.col(a)}};
+    const double sigma = std::hypot(motion.velocity_sigma[a], motion.velocity_sigma[b]);
+    const Eigen::VectorXd sign =
+        (motion.dq.col(a) + motion.dq.col(b)).unaryExpr([sigma](double dq) { return ExpectedSign(dq, sigma); });
+    return {{0, a, motion.ddq.col(b)},
+            {0, b, motion.ddq.col(a)},
+            {1, a, motion.dq.col(b)},
+            {1, b, motion.dq.col(a)},
+            {2, a, sign},
+            {2, b, sign}};
   }
 
  private:

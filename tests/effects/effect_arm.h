@@ -87,6 +87,7 @@ class EffectArm {
   const Robot& robot() const { return base_.model().robot(); }
   const BaseParameters& base() const { return base_; }
   const StandardModel& model() const { return model_; }
+  const Eigen::VectorXd& standard() const { return standard_; }
   const Eigen::VectorXd& sigma() const { return sigma_; }
   const InertialVector& payload() const { return payload_; }
 

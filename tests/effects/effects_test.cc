@@ -270,12 +270,14 @@ TEST(EffectsTest, RippleSpringAndCouplingFollowTheirFormulas) {
   StandardModel model(Tx40(), FrictionModel());
   std::vector<double> w(6 * model.columns());
   const VectorXd q = motion.q.row(9), dq = motion.dq.row(9), ddq = motion.ddq.row(9);
-  model.Regressor(q.data(), dq.data(), ddq.data(), nullptr, w.data());
+  model.Regressor(q.data(), dq.data(), ddq.data(), Arm().sigma().data(), w.data());
   for (int row = 0; row < 6; ++row) {
     EXPECT_NEAR(ColumnOf("motor_coupling", motion, {4, 5}, {}, 0)(9, row),
                 w[row * model.columns() + model.Find("Iam6")], 1e-12);
     EXPECT_NEAR(ColumnOf("motor_coupling", motion, {4, 5}, {}, 1)(9, row),
                 w[row * model.columns() + model.Find("Fvm6")], 1e-12);
+    EXPECT_NEAR(ColumnOf("motor_coupling", motion, {4, 5}, {}, 2)(9, row),
+                w[row * model.columns() + model.Find("Fsm6")], 1e-12);
   }
   for (const MatrixXd* column : {&cosine, &sine, &spring}) EXPECT_EQ(column->norm(), column->col(3).norm());
 }

@@ -4,7 +4,8 @@
 //   dz/ds = (sign(dq) - z) / x_s    along the path length s;    torque Fh z
 //
 // Between two samples the joint moves one way, so that z <- s + (z - s) exp(-|step| / x_s), s the sign of the step, is
-// exact. z starts at 0 in each recording: what happened before is not known, and forgotten after a few x_s.
+// exact. Of what happened before a recording: a joint that moves at its start (beyond 6 standard deviations of the
+// velocity) is taken to have slipped, z = sign(dq); one at rest starts at z = 0. It is forgotten after a few x_s.
 //
 // Jitter of a joint at rest has a path length of its own, which would wear z away. Steps are therefore those of a
 // follower with play (the position moves within +-w before it follows), w three standard deviations of the filtered
@@ -63,6 +64,9 @@ class Presliding : public Effect {
     const Index count = motion.q.rows();
     VectorXd column(count);
     double z = 0.0;
+    if (count > 0 && std::abs(motion.dq(0, joint)) > 6.0 * motion.velocity_sigma[joint]) {
+      z = motion.dq(0, joint) > 0.0 ? 1.0 : -1.0;
+    }
     double follower = count > 0 ? motion.q(0, joint) : 0.0;
     for (Index i = 0; i < count; ++i) {
       const double q = motion.q(i, joint);

@@ -210,7 +210,8 @@ TEST(EffectsTest, PreslidingIsTheDahlModelIntegratedInTime) {
   const int j = 2, substeps = 400;
   const double xs = 0.02;
   const MatrixXd column = ColumnOf("presliding", motion, {j}, {xs});
-  double z = 0.0;
+  double z = motion.dq(0, j) > 0.0 ? 1.0 : -1.0;
+  ASSERT_GT(std::abs(motion.dq(0, j)), 6.0 * Arm().sigma()[j]);  // it comes slipping
   for (int i = 0; i + 1 < motion.t.size(); ++i) {
     ASSERT_NEAR(column(i, j), z, 2e-3) << i;
     const double h = (motion.t[i + 1] - motion.t[i]) / substeps;
@@ -240,11 +241,16 @@ TEST(EffectsTest, PreslidingDoesNotForgetAtRestBecauseOfEncoderNoise) {
   const Robot robot = Tx40();
   motion.robot = &robot;
   motion.t = VectorXd::LinSpaced(slide + rest, 0.0, 1.0);
-  motion.q = MatrixXd::Zero(slide + rest, 6);
+  motion.q = motion.dq = MatrixXd::Zero(slide + rest, 6);
+  motion.velocity_sigma = VectorXd::Zero(6);
   for (int i = 0; i < slide + rest; ++i) motion.q(i, 0) = 1e-4 * std::min(i, slide) + normal(generator);
   const double worn = ColumnOf("presliding", motion, {0}, {xs})(slide + rest - 1, 0);
   motion.position_sigma = VectorXd::Constant(6, sigma);
   const double kept = ColumnOf("presliding", motion, {0}, {xs})(slide + rest - 1, 0);
+  motion.dq(0, 0) = 1.0;  // a start in motion is remembered until a slide of a few x_s
+  EXPECT_NEAR(ColumnOf("presliding", motion, {0}, {1e3})(0, 0), 1.0, 1e-6);
+  motion.dq(0, 0) = -1.0;
+  EXPECT_NEAR(ColumnOf("presliding", motion, {0}, {1e3})(0, 0), -1.0, 1e-6);
   EXPECT_LT(std::abs(worn), 0.1);
   EXPECT_GT(kept, 0.95);
 }

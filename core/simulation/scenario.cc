@@ -11,6 +11,7 @@
 
 #include "core/base/text.h"
 #include "core/dynamics/base_parameters.h"
+#include "core/simulation/effects_truth.h"
 
 namespace idim {
 namespace {
@@ -169,6 +170,18 @@ Json TrueParameters(const Scenario& scenario, const BaseParameters& base) {
   return parameters;
 }
 
+Json ToJson(const SimulatedEffect& effect) {
+  Json joints = Json::array();
+  for (int j : effect.joints) joints.push_back(j + 1);
+  Json json = {{"effect", effect.id}, {"joints", joints}, {"values", Json::object()}};
+  for (const SimulatedEffectKey& key : FindSimulatedEffect(effect.id)->keys) {
+    const bool other_of_two = key.lower_allowed == false && !key.required && effect.values.count(key.name) == 0;
+    if (!other_of_two) json["values"][key.name] = effect.Value(key.name);
+  }
+  if (!effect.recording.empty()) json["recording"] = effect.recording;
+  return json;
+}
+
 // robot.yaml as it is; a URDF that it names goes beside it.
 Status AddRobotFiles(const Scenario& scenario, std::vector<OutputFile>* files) {
   Result<std::string> text = ReadFile(scenario.robot_path);
@@ -221,7 +234,9 @@ Truth SimulateTruth(const Scenario& scenario, const ScenarioRecording& recording
   options.seed = recording.seed;
   const InertialVector payload =
       recording.payload >= 0 ? scenario.payloads[recording.payload].inertial : InertialVector(InertialVector::Zero());
-  return SimulateTruth(&model, scenario.chi, payload, scenario.gains, *recording.trajectory, options);
+  Truth truth = SimulateTruth(&model, scenario.chi, payload, scenario.gains, *recording.trajectory, options);
+  internal::ApplyEffects(scenario, recording, &truth);
+  return truth;
 }
 
 Recording SimulateLog(const Scenario& scenario, const ScenarioRecording& recording, const Truth& truth) {
@@ -242,6 +257,7 @@ Result<std::vector<OutputFile>> RenderScenario(const Scenario& scenario) {
                {"parameters", TrueParameters(scenario, base)},
                {"standard_parameters", standard},
                {"recordings", Json::array()}};
+  for (const SimulatedEffect& effect : scenario.effects) json["effects"].push_back(ToJson(effect));
   for (const ScenarioRecording& recording : scenario.recordings) {
     const Truth truth = SimulateTruth(scenario, recording);
     files.push_back({recording.name + ".csv", RenderCsv(scenario, SimulateLog(scenario, recording, truth))});

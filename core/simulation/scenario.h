@@ -17,6 +17,9 @@
 //   noise:                       # optional, see NoiseOptions
 //     {position: .., position_step: .., encoder_counts: .., signal: .., signal_percent: .., signal_step: ..}
 //   limits: {lower: [..], upper: [..], velocity: [..], acceleration: [..], jerk: [..]}    # see JointLimits
+//   effects:                     # optional: what the standard model lacks; ids, keys and laws: see effects.h
+//     - {id: stribeck, joints: [3], Fst: 2.0, vs: 0.1}
+//     - {id: payload_change, M: 0.5, z: 0.1, from: 4, recording: free}     # recording: in this one alone; default all
 //   recordings:
 //     - name: free               # letters, digits, _ and -; the file is free.csv
 //       use: identification      # identification | validation
@@ -43,6 +46,7 @@
 #include "core/base/status.h"
 #include "core/recording/study.h"
 #include "core/robot/robot.h"
+#include "core/simulation/effects.h"
 #include "core/simulation/simulate.h"
 #include "core/simulation/trajectory.h"
 
@@ -76,12 +80,15 @@ struct Scenario {
   TruthOptions truth;  // rate, clock_jitter and signal_side; the rest is the recording's
   NoiseOptions noise;
   std::vector<ScenarioRecording> recordings;
+  std::vector<SimulatedEffect> effects;
+  double effect_step = 1e-4;  // [s] at which effects with memory are integrated between the recorded instants
 };
 
 // One message with file, line and key on bad input.
 Result<Scenario> ReadScenario(const std::string& yaml_path);
 
-// Truth and log of one recording of the scenario.
+// Truth and log of one recording of the scenario, effects included. CHECKs the effects (CheckEffects(),
+// core/simulation/effects_truth.h). q, dq and ddq are the motors' in joint coordinates, which is what is logged.
 Truth SimulateTruth(const Scenario& scenario, const ScenarioRecording& recording);
 Recording SimulateLog(const Scenario& scenario, const ScenarioRecording& recording, const Truth& truth);
 
@@ -89,7 +96,8 @@ Recording SimulateLog(const Scenario& scenario, const ScenarioRecording& recordi
 Study StudyOf(const Scenario& scenario);
 
 // All that `idim_simulate` writes, none of it depending on where: robot.yaml (and its URDF), one CSV a recording,
-// study.yaml, and truth.json with the true gains, base, payload and standard parameters, named as in estimate.json.
+// study.yaml, and truth.json with the true gains, base, payload and standard parameters, named as in estimate.json, and
+// the effects, of which study.yaml says nothing.
 // Quantised values are written with the digits that tell the steps apart to a tenth, others in full.
 Result<std::vector<OutputFile>> RenderScenario(const Scenario& scenario);
 

@@ -8,6 +8,7 @@
 #include "core/base/text.h"
 #include "core/base/yaml.h"
 #include "core/robot/robot_reader.h"
+#include "core/simulation/effects_reader.h"
 #include "core/simulation/scenario.h"
 #include "core/simulation/trajectory_reader.h"
 
@@ -214,7 +215,7 @@ Result<Scenario> ReadScenario(const std::string& yaml_path) {
   const YAML::Node& root = file.root();
   file.Map(root, "",
            {"robot", "parameters", "payloads", "gains", "position_side", "signal_side", "rate", "clock_jitter", "noise",
-            "limits", "recordings"});
+            "limits", "effects", "recordings"});
   for (const auto& [name, expected] :
        {std::pair{"robot", "the path of a robot file"}, std::pair{"parameters", "a list of mappings, one a link"},
         std::pair{"recordings", "a list of recordings"}}) {
@@ -259,6 +260,7 @@ Result<Scenario> ReadScenario(const std::string& yaml_path) {
       ReadOneRecording(&file, root["recordings"][k], KeyPath("recordings", k), limits, &scenario);
     }
   }
+  internal::ReadEffects(&file, root["effects"], &scenario);
   if (!file.ok()) return file.status();
   return scenario;
 }

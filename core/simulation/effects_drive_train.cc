@@ -14,8 +14,10 @@ namespace {
 constexpr int kSamples = 50;
 // Of a substep, times the fastest angular frequency: RK4's error of phase is then below 1e-6 a radian.
 constexpr double kPhasePerStep = 0.2;
-// Damping of a contact sets in over this share of half the gap, so that the torque is continuous.
-constexpr double kContactShare = 0.05;
+// [rad or m] over which the damper of a contact takes hold, so that the torque is continuous.
+constexpr double kContactDepth = 2e-5;
+// Substeps in which a contact may open or close are so many times shorter.
+constexpr int kContactSubsteps = 16;
 
 double Instant(int sample, double start, double end) { return start + (end - start) * sample / (kSamples - 1.0); }
 
@@ -85,7 +87,7 @@ Eigen::VectorXd DriveTrain::Transmitted(const State& state) const {
     }
     const double side = twist > 0.0 ? 1.0 : -1.0;
     const double depth = std::abs(twist) - joint.half_gap;  // of the contact
-    const double share = std::clamp(depth / (kContactShare * joint.half_gap), 0.0, 1.0);
+    const double share = std::clamp(depth / kContactDepth, 0.0, 1.0);
     torque[i] =
         depth <= 0.0 ? 0.0 : side * std::max(0.0, joint.stiffness * depth + share * joint.damping * side * rate);
   }
@@ -143,21 +145,33 @@ DriveTrain::State DriveTrain::Equilibrium(double t) const {
   return state;
 }
 
-DriveTrain::State DriveTrain::Step(const State& state, double t, double h) const {
-  const int substeps = std::max(1, static_cast<int>(std::ceil(h / longest_step_)));
-  const double s = h / substeps;
+DriveTrain::State DriveTrain::RungeKutta(const State& now, double t, double s) const {
   const auto moved = [](const State& from, const State& along, double by) {
     return State{from.e + by * along.e, from.de + by * along.de};
   };
+  const State k1 = Derivative(now, t);
+  const State k2 = Derivative(moved(now, k1, s / 2.0), t + s / 2.0);
+  const State k3 = Derivative(moved(now, k2, s / 2.0), t + s / 2.0);
+  const State k4 = Derivative(moved(now, k3, s), t + s);
+  return {now.e + s / 6.0 * (k1.e + 2.0 * k2.e + 2.0 * k3.e + k4.e),
+          now.de + s / 6.0 * (k1.de + 2.0 * k2.de + 2.0 * k3.de + k4.de)};
+}
+
+bool DriveTrain::NearContact(const State& state, double h) const {
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const double depth = std::abs(state.e[i]) - joints_[i].half_gap;
+    if (joints_[i].half_gap > 0.0 && std::abs(depth) < 2.0 * h * std::abs(state.de[i])) return true;
+  }
+  return false;
+}
+
+DriveTrain::State DriveTrain::Step(const State& state, double t, double h) const {
+  const int substeps = std::max(1, static_cast<int>(std::ceil(h / longest_step_)));
+  const double s = h / substeps;
   State now = state;
   for (int k = 0; k < substeps; ++k) {
-    const double at = t + k * s;
-    const State k1 = Derivative(now, at);
-    const State k2 = Derivative(moved(now, k1, s / 2.0), at + s / 2.0);
-    const State k3 = Derivative(moved(now, k2, s / 2.0), at + s / 2.0);
-    const State k4 = Derivative(moved(now, k3, s), at + s);
-    now.e += s / 6.0 * (k1.e + 2.0 * k2.e + 2.0 * k3.e + k4.e);
-    now.de += s / 6.0 * (k1.de + 2.0 * k2.de + 2.0 * k3.de + k4.de);
+    const int parts = NearContact(now, s) ? kContactSubsteps : 1;
+    for (int part = 0; part < parts; ++part) now = RungeKutta(now, t + (k + part * 1.0 / parts) * s, s / parts);
   }
   return now;
 }

@@ -46,6 +46,9 @@ class DriveTrain {
  private:
   Eigen::VectorXd Transmitted(const State& state) const;
   State Derivative(const State& state, double t) const;
+  State RungeKutta(const State& state, double t, double h) const;
+  // Whether a contact may open or close within h.
+  bool NearContact(const State& state, double h) const;
 
   std::vector<FlexibleJoint> joints_;
   LinkTorque link_torque_;

@@ -17,7 +17,7 @@ constexpr double kPhasePerStep = 0.2;
 // [rad or m] over which the damper of a contact takes hold, so that the torque is continuous.
 constexpr double kContactDepth = 2e-5;
 // Substeps in which a contact may open or close are so many times shorter.
-constexpr int kContactSubsteps = 16;
+constexpr int kContactSubsteps = 64;
 
 double Instant(int sample, double start, double end) { return start + (end - start) * sample / (kSamples - 1.0); }
 

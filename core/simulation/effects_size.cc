@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "core/base/text.h"
 #include "core/simulation/effects_truth.h"
@@ -11,7 +13,8 @@
 namespace idim {
 namespace {
 
-constexpr double kTolerance = 0.02;  // of the share
+constexpr double kTolerance = 0.015;  // of the share
+constexpr double kCoarseStep = 5e-4;  // [s] suffices for a share
 constexpr int kMostTrials = 30;
 
 SimulatedEffect Scaled(const SimulatedEffect& effect, double factor) {
@@ -52,6 +55,7 @@ Status ScaleEffect(Scenario* scenario, size_t k, double share) {
   CHECK_LT(k, scenario->effects.size());
   CHECK_GT(share, 0.0);
   const SimulatedEffect given = scenario->effects[k];
+  const double step = scenario->effect_step;
   const auto failed = [&](const std::string& why) {
     scenario->effects[k] = given;
     return Status::Untrusted(given.id + " cannot be given the share " + FormatNumber(share) + ": " + why);
@@ -65,7 +69,9 @@ Status ScaleEffect(Scenario* scenario, size_t k, double share) {
     scenario->effects[k] = Scaled(given, factor);
     const Status scaled_valid = CheckEffects(*scenario);
     if (!scaled_valid.ok()) return failed(scaled_valid.message());
+    scenario->effect_step = std::max(step, kCoarseStep);
     const double found = EffectShare(*scenario, k);
+    scenario->effect_step = step;
     if (!(found > 0.0 && std::isfinite(found))) return failed("its share is " + FormatNumber(found));
     if (std::abs(found / share - 1.0) <= kTolerance) return Status::Ok();
     (found < share ? lower : upper) = factor;

@@ -32,10 +32,11 @@
 //                        link, with an elastic contact that does not pull
 //
 // The two last: the motor follows the trajectory (the control loop is ideal) and is what is logged; the link is free
-// and its motion is integrated, all flexible joints together, Runge-Kutta of order 4. Ia, friction and ripple act at
-// the motor. With M the link's inertia about its joint at the start: backlash has the contact stiffness M (2 pi
-// contact_frequency)^2; damping is 2 damping_ratio sqrt(stiffness M). Both on one joint: springs in series. So that
-// nothing starts abruptly, simulation begins half a second before the recording.
+// and its motion is integrated, all flexible joints together, by the Runge-Kutta method of order 4. Ia, friction and
+// ripple act at the motor; springs, weight and payload on the link. With M the link's inertia about its joint where the
+// first recording starts, without payload: backlash has the contact stiffness M (2 pi contact_frequency)^2; damping is
+// 2 damping_ratio sqrt(stiffness M), in a contact from its first 2e-5 rad on. Both on one joint: springs in series, the
+// larger damping ratio. So that nothing starts abruptly, simulation begins half a second before the recording.
 
 #ifndef IDIM_CORE_SIMULATION_EFFECTS_H_
 #define IDIM_CORE_SIMULATION_EFFECTS_H_

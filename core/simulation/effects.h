@@ -11,9 +11,8 @@
 //   load_friction        mu: s mu |torque of links, payload, spring and drive inertia on that joint|
 //   presliding           displacement x [rad]: Dahl's bristle y, dy/dt = (dq / x) (1 - sign(dq) y), at rest y = 0; the
 //                        direction s of all dry friction of the joint (Fs, Stribeck, load, asymmetric) is y. Fs > 0.
-//   thermal_drift        viscous_share, coulomb_share, time_constant [s]: viscous (and power) friction, respectively
-//   dry
-//                        friction, of the joint times 1 + share (1 - exp(-t / time_constant)); t begins anew in every
+//   thermal_drift        viscous_share, coulomb_share, time_constant [s]: viscous (and power) friction of the joint, or
+//                        its dry friction, times 1 + share (1 - exp(-t / time_constant)); t begins anew in every
 //                        recording
 //   torque_ripple        amplitude [N m], phase [rad], order or motor_order: amplitude cos(order q + phase), q the
 //                        motor's position in joint coordinates, or cos(motor_order (T q)_j + phase), T the transmission
@@ -23,9 +22,9 @@
 //   base_tilt            angle_1, angle_2 [rad]: gravity turned by the rotation vector angle_1 e1 + angle_2 e2. e1 is
 //                        the base's x axis made normal to gravity g (y where g lies along x), e2 = e1 x g / |g|
 //                        (y for gravity along -z)
-//   payload_change       M [kg], x, y, z [m], from [s]: a point mass M at (x, y, z) on the last link from that instant
-//   on time_delay           delay [s]: the signal logged at t is that of t - delay gain_saturation      loss, signal
-//   [signal unit]: tau = g v (1 + 3 loss (v / signal)^2)^(-1/3), that is
+//   payload_change       M [kg], x, y, z [m], from [s]: a point mass M at (x, y, z) on the last link from then on
+//   time_delay           delay [s]: the signal logged at t is that of t - delay
+//   gain_saturation      loss, signal [signal unit]: tau = g v (1 + 3 loss (v / signal)^2)^(-1/3), that is
 //                        g v (1 - loss (v / signal)^2) for small loss, and increasing in v throughout
 //   joint_elasticity     stiffness [N m/rad], damping_ratio (0.1): a spring and a damper between motor and link
 //   backlash             gap [rad] (whole), contact_frequency [Hz] (100), damping_ratio (0.3): play between motor and

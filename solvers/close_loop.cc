@@ -64,6 +64,12 @@ double StandardErrorOfSum(const VectorXd& folds) {
   return std::sqrt(count / (count - 1.0) * (folds.array() - folds.mean()).matrix().squaredNorm());
 }
 
+// An effect that acts in spells gains much in some folds and little in others: its standard error is large, its sign
+// sure.
+bool IsInMostFolds(const VectorXd& gain) {
+  return static_cast<double>((gain.array() > 0.0).count()) >= 0.85 * static_cast<double>(gain.size());
+}
+
 LoopErrors ErrorsOf(const Judged& model, bool by_blocks) {
   LoopErrors errors;
   const MatrixXd torque = model.residual.torque(), residual = model.residual.TorqueResidual();
@@ -182,7 +188,7 @@ class Loop {
   // margin of an error is twice that of its square.
   bool Passes(const EffectCandidate& candidate) const {
     return candidate.held_out_decrease > 2.0 * options_.margin &&
-           candidate.held_out_decrease > kSure * candidate.held_out_error;
+           (candidate.held_out_decrease > kSure * candidate.held_out_error || IsInMostFolds(candidate.held_out_gain));
   }
 
   // The best by held-out squares; of those that cannot be told from it, the one with the fewest parameters.
@@ -216,7 +222,8 @@ class Loop {
   bool IsBetter(const Judged& without, const Judged& with, const std::vector<int>& joints) const {
     const VectorXd gain = HeldOutByFold(without, joints) - HeldOutByFold(with, joints);
     const double needed = 1.0 - std::pow(1.0 - options_.margin, 2);
-    return gain.sum() > needed * HeldOutSquares(without, joints) && gain.sum() > kSame * StandardErrorOfSum(gain);
+    return gain.sum() > needed * HeldOutSquares(without, joints) &&
+           (gain.sum() > kSame * StandardErrorOfSum(gain) || IsInMostFolds(gain));
   }
 
   void Record(const EffectScan& scan, const std::vector<EffectCandidate>& passing, size_t chosen, const Judged& next,

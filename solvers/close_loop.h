@@ -2,7 +2,8 @@
 //
 // 1. The declared model is fitted by the bundle (gains identified or known).
 // 2. All candidates are scanned (solvers/effect_scan.h). One is added if its corrected score test passes and if it
-//    lowers the held-out error of its joints by more than `margin` and by more than two standard errors of the folds.
+//    lowers the held-out error of its joints by more than `margin`, by more than two standard errors of the folds or in
+//    at least 85 % of them.
 //    Of those, the one that lowers it most; among such as the folds cannot tell from it (one standard error), the one
 //    with the fewest parameters. Nothing depends on the order in which candidates are tried.
 // 3. Everything is fitted anew through the bundle: gains, parameters, payload, effects; shapes by Gauss-Newton along

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kMaxRounds = 6;
+constexpr int kMaxRounds = 4;
 // Settled: no shape would move by more than this many of its standard deviations.
 constexpr double kSettled = 0.1;
 // Without a value that is this many standard deviations from zero nothing tells a shape.

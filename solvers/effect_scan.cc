@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <mutex>
 #include <thread>
 
@@ -64,7 +65,7 @@ class Columns {
       InertialVector body = InertialVector::Zero();
       if (recording.entry.payload >= 0) body = arm.payloads[static_cast<size_t>(recording.entry.payload)];
       decimated_.push_back(MakeEffectMotion(prepared.base, states, static_cast<int>(r), prepared.velocity_sigma,
-                                            arm.chi.head(prepared.base.size()), body));
+                                            arm.chi.head(prepared.base.size()), body, prepared.position_sigma));
       decimated_.back().torque = recording.decimator.Apply(motions[r].torque);
     }
   }
@@ -97,7 +98,7 @@ class Columns {
       joints.push_back(j);
       used.push_back(std::move(torques[static_cast<size_t>(j)]));
     }
-    return residual_.Remainder(residual_.Whiten(joints, used));
+    return residual_.Remainder(residual_.Whiten(joints, used), recorded ? 2 : 1);
   }
 
  private:
@@ -206,6 +207,7 @@ void SetHeldOut(const ResidualModel& residual, const MatrixXd& before, EffectCan
   const VectorXd centred = candidate->held_out_gain.array() - candidate->held_out_gain.mean();
   candidate->held_out_decrease = candidate->held_out_gain.sum() / squares;
   candidate->held_out_error = std::sqrt(folds / (folds - 1.0) * centred.squaredNorm()) / squares;
+  candidate->folds_better = static_cast<int>((candidate->held_out_gain.array() > 0.0).count());
 }
 
 }  // namespace
@@ -238,8 +240,12 @@ EffectScan ScanEffects(const PreparedStudy& prepared, const ResidualModel& resid
   EffectScan scan;
   for (const int count : tried) scan.tried += count;
   const MatrixXd before = residual.CrossValidate(MatrixXd(residual.residual().size(), 0)).squares;
-  for (EffectCandidate& candidate : all) {
-    candidate.p_value = std::min(1.0, candidate.score.p_value * scan.tried);
+  std::map<const Effect*, int> places_of;
+  for (const Place& place : places) ++places_of[place.effect];
+  for (size_t k = 0; k < all.size(); ++k) {
+    EffectCandidate& candidate = all[k];
+    const double tries = static_cast<double>(places_of.size()) * places_of[places[k].effect] * std::max(tried[k], 1);
+    candidate.p_value = std::min(1.0, candidate.score.p_value * tries);
     if (candidate.remainder.cols() == 0 || candidate.p_value > options.significance) continue;
     SetHeldOut(residual, before, &candidate);
     scan.candidates.push_back(std::move(candidate));

@@ -2,8 +2,9 @@
 //
 // A candidate is an effect at its place (a joint, two joints, the arm) with its best shape: the grid of the effect,
 // then golden section between the neighbours of its best point, by the squares that the columns explain beyond all that
-// is in the model already (solvers/residual_model.h). Each shape tried counts: the p-value of the score test is
-// multiplied by the number of all shapes of all candidates (Bonferroni).
+// is in the model already (solvers/residual_model.h). The level is shared
+// equally between the effects, then between the places of an effect, then between the shapes tried at a place
+// (Bonferroni): the many orders of a ripple do not hide a spring.
 //
 // Held out: relative decrease of the squared whitened residual on rows not fitted, of the joints where the effect acts
 // (all for an effect of the arm or of two joints), and its standard error from the folds.
@@ -27,9 +28,10 @@ struct EffectCandidate {
   int parameters = 0;   // linear ones that the model cannot imitate, and shape parameters
   double explained = 0.0;
   ResidualModel::Score score;
-  double p_value = 1.0;            // of the score, times the number of shapes tried, at most 1
+  double p_value = 1.0;            // of the score, corrected for all that is tried, at most 1
   Eigen::VectorXd held_out_gain;   // folds: decrease of the squared residual of all joints
   double held_out_decrease = 0.0;  // its sum over the squares of the effect's joints
+  int folds_better = 0;            // in which the squares decrease
   double held_out_error = 0.0;     // standard error of held_out_decrease, from the folds
   Eigen::MatrixXd remainder;       // of its columns, samples n x parameters
 };

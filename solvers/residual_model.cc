@@ -64,7 +64,8 @@ MatrixXd ResidualModel::Whiten(const std::vector<int>& joints, const std::vector
   return z;
 }
 
-MatrixXd ResidualModel::Remainder(const MatrixXd& z, double tolerance) const {
+MatrixXd ResidualModel::Remainder(const MatrixXd& z, int passes) const {
+  constexpr double kTolerance = 0.02;
   MatrixXd result(z.rows(), z.cols());
   Index kept = 0;
   for (Index a = 0; a < z.cols(); ++a) {
@@ -72,11 +73,11 @@ MatrixXd ResidualModel::Remainder(const MatrixXd& z, double tolerance) const {
     if (!(norm > 0.0) || !std::isfinite(norm)) continue;
     VectorXd rest = z.col(a) / norm;
     // Twice is enough (Giraud, Langou & Rozloznik 2005).
-    for (int pass = 0; pass < 2; ++pass) {
+    for (int pass = 0; pass < passes; ++pass) {
       rest -= q_ * (q_.transpose() * rest).eval();
       rest -= result.leftCols(kept) * (result.leftCols(kept).transpose() * rest).eval();
     }
-    if (rest.norm() < tolerance) continue;
+    if (rest.norm() < kTolerance) continue;
     result.col(kept++) = rest.normalized();
   }
   return result.leftCols(kept);

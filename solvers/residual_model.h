@@ -47,9 +47,9 @@ class ResidualModel {
   // `joints`. Returns samples n x parameters.
   Eigen::MatrixXd Whiten(const std::vector<int>& joints, const std::vector<Eigen::MatrixXd>& torques) const;
 
-  // Orthonormal columns of what Z leaves beside J; columns that J and the ones before imitate but for a share
-  // `tolerance` are dropped. samples n x (<= parameters).
-  Eigen::MatrixXd Remainder(const Eigen::MatrixXd& z, double tolerance = 0.02) const;
+  // Orthonormal columns of what Z leaves beside J; columns that J and the ones before imitate but for 2 % are dropped.
+  // passes: 2 for orthogonality to rounding, 1 where that is not needed. samples n x (<= parameters).
+  Eigen::MatrixXd Remainder(const Eigen::MatrixXd& z, int passes = 2) const;
 
   double Explained(const Eigen::MatrixXd& remainder) const;
 

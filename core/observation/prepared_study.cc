@@ -108,6 +108,7 @@ Result<PreparedStudy> PrepareStudy(const Study& study, std::vector<Recording> re
       StateCovariance::Create(first.recording.t, prepared.preprocessing, first.decimator);
   if (!covariance.ok()) return At(first.entry.q_file, covariance.status());
   prepared.velocity_sigma = prepared.position_noise * std::sqrt(covariance->full_rate()(1, 1));
+  prepared.position_sigma = prepared.position_noise * std::sqrt(covariance->full_rate()(0, 0));
   return prepared;
 }
 

@@ -40,6 +40,7 @@ struct PreparedStudy {
   Eigen::VectorXd position_noise;  // n [rad or m] a sample, a priori or estimated
   Eigen::VectorXd velocity_sigma;  // n [rad/s or m/s], of the undecimated dq
   std::vector<PreparedRecording> recordings;
+  Eigen::VectorXd position_sigma = {};     // n [rad or m], of the undecimated q; empty: not known
   std::vector<ActiveEffect> effects = {};  // beside declared friction; set by SetEffects (solvers/active_effects.h)
   std::vector<Parameter> effect_parameters = {};
 

@@ -30,6 +30,7 @@ struct GainScenario {
   double mass = 4.59;
   double speed = 1.0;      // times 0.1 to 1 Hz
   double amplitude = 0.5;  // [rad] or [m] of each harmonic at most
+  FrictionModel friction;
 };
 
 struct GainStudy {
@@ -44,6 +45,7 @@ inline GainStudy MakeGainStudy(const GainScenario& scenario) {
   study.path = "study.yaml";
   study.robot = scenario.robot;
   study.gains_mode = GainsMode::kIdentify;
+  study.friction = scenario.friction;
   if (study.robot.transmission.size() > 0) study.signal_side = Side::kMotor;
   // The payload of the paper's Table I, scaled to the mass.
   InertialVector body;

@@ -2,6 +2,9 @@
 
 #include <glog/logging.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -36,9 +39,29 @@ VectorXd Moved(const VectorXd& theta, const VectorXd& move, Index gains) {
   return next;
 }
 
-// Levenberg-Marquardt with fixed weights. Returns whether the minimum is nearer than `tolerance`.
-bool Minimize(BundleProblem* problem, double tolerance, int max_iterations, Iterate* iterate, BundleSummary* summary) {
+// What the error of the estimated states adds to the curvature K = R'R, held to the share of K at which K - N is still
+// a curvature. *share: of the direction where it is largest.
+constexpr double kLargestShare = 0.9;
+MatrixXd HeldNoise(const MatrixXd& noise, const MatrixXd& r, double* share) {
+  const VectorXd inverse_scale = ColumnScales(r).cwiseInverse();
+  const MatrixXd scaled = r * inverse_scale.asDiagonal();
+  const auto triangle = scaled.triangularView<Eigen::Upper>();
+  const MatrixXd own = inverse_scale.asDiagonal() * noise * inverse_scale.asDiagonal();
+  const MatrixXd half = triangle.transpose().solve(own);
+  const MatrixXd shares = triangle.transpose().solve(MatrixXd(half.transpose()));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (shares + shares.transpose()));
+  *share = eigen.eigenvalues().maxCoeff();
+  const MatrixXd held = eigen.eigenvectors() * eigen.eigenvalues().cwiseMin(kLargestShare).cwiseMax(0.0).asDiagonal() *
+                        eigen.eigenvectors().transpose();
+  return r.transpose() * held * r;
+}
+
+// Levenberg-Marquardt with fixed weights. Returns whether the minimum is nearer than `tolerance`. noise: to be taken
+// from the curvature, c x c, or empty.
+bool Minimize(BundleProblem* problem, double tolerance, int max_iterations, const MatrixXd& noise, Iterate* iterate,
+              BundleSummary* summary) {
   const Index c = iterate->theta.size();
+  bool newton = noise.size() > 0;
   double lambda = 0.0;
   while (std::isfinite(iterate->at.cost)) {
     const MatrixXd& r = iterate->at.r;
@@ -52,6 +75,26 @@ bool Minimize(BundleProblem* problem, double tolerance, int max_iterations, Iter
     MatrixXd damped(2 * c + 1, c);
     VectorXd right = VectorXd::Zero(2 * c + 1);
     right.head(c + 1) = -r.col(c);
+    if (newton) {
+      double share = 0.0;
+      const MatrixXd triangle = r.topLeftCorner(c, c);
+      const MatrixXd curvature = triangle.transpose() * triangle - HeldNoise(noise, triangle, &share);
+      const VectorXd gradient = triangle.transpose() * r.col(c).head(c);
+      const VectorXd inverse_scale = scale.cwiseInverse();
+      const VectorXd step = MatrixXd(inverse_scale.asDiagonal() * curvature * inverse_scale.asDiagonal())
+                                .ldlt()
+                                .solve(-inverse_scale.cwiseProduct(gradient));
+      const VectorXd next = Moved(iterate->theta, step.cwiseProduct(inverse_scale), problem->num_gains());
+      if (next.allFinite()) {
+        Evaluation at = problem->Evaluate(next, iterate->sigma);
+        if (at.cost <= iterate->at.cost * (1.0 + 1e-12)) {
+          iterate->theta = next;
+          iterate->at = std::move(at);
+          continue;
+        }
+      }
+      newton = false;
+    }
     while (true) {
       damped << r.leftCols(c) * scale.cwiseInverse().asDiagonal(),
           MatrixXd(VectorXd::Constant(c, std::sqrt(lambda)).asDiagonal());
@@ -92,8 +135,16 @@ void SetCovariance(BundleProblem* problem, const BundleData& data, const Iterate
   const double count = static_cast<double>(data.samples.size());
   BundleProblem::Sensitivity sensitivity = problem->Scores(iterate.theta, iterate.sigma);
   const MatrixXd inverse = InverseOf(sensitivity.curvature);
-  const MatrixXd bread = inverse * inverse.transpose();
-  summary->covariance = bread * HuberNorm{options.huber_threshold * std::sqrt(data.dof)}.VarianceFactor(data.dof);
+  const double variance = HuberNorm{options.huber_threshold * std::sqrt(data.dof)}.VarianceFactor(data.dof);
+  summary->covariance = inverse * inverse.transpose() * variance;
+  const MatrixXd noise =
+      HeldNoise(problem->NoiseInformation(iterate.theta, iterate.sigma), sensitivity.curvature, &summary->noise_share);
+  // (I - T)^-1 between R^-1 and its transpose, T the shares of the noise.
+  const MatrixXd shares = inverse.transpose() * noise * inverse;
+  const MatrixXd bread =
+      inverse * (MatrixXd::Identity(shares.rows(), shares.cols()) - shares).inverse() * inverse.transpose();
+  summary->model_covariance =
+      bread * (sensitivity.curvature.transpose() * sensitivity.curvature) * bread.transpose() * variance;
   const std::vector<std::pair<Index, Index>> recordings = RecordingsOf(data);
   // Influence of each sample on the parameters.
   MatrixXd& influence = sensitivity.scores;
@@ -180,6 +231,7 @@ BundleSummary SolveBundle(const BaseParameters& base, const BundleData& data, co
     BundleProblem squares(base, data, options.priors, HuberNorm{});
     iterate.sigma = squares.NextSigma(squares.Evaluate(start, VectorXd::Ones(data.dof)));
   }
+  problem.HoldFriction(start);
   const auto evaluate = [&] { iterate.at = problem.Evaluate(iterate.theta, iterate.sigma); };
   std::vector<int> all(data.unknowns.size());
   std::iota(all.begin(), all.end(), 0);
@@ -198,16 +250,19 @@ BundleSummary SolveBundle(const BaseParameters& base, const BundleData& data, co
   summary.status = diagnose();
   if (!summary.status.ok()) return summary;
 
+  MatrixXd noise;  // not before the unknowns and weights are about right
   bool settled = options.max_weight_iterations == 0;
   while (!settled && summary.weight_iterations < options.max_weight_iterations &&
-         Minimize(&problem, kLooseTolerance, options.max_iterations, &iterate, &summary)) {
+         Minimize(&problem, kLooseTolerance, options.max_iterations, noise, &iterate, &summary)) {
     const VectorXd next = problem.NextSigma(iterate.at);
     ++summary.weight_iterations;
     settled = ((next - iterate.sigma).cwiseQuotient(iterate.sigma)).cwiseAbs().maxCoeff() < options.weight_tolerance;
     iterate.sigma = next;
+    problem.HoldFriction(iterate.theta);
     evaluate();
   }
-  summary.converged = Minimize(&problem, options.step_tolerance, options.max_iterations, &iterate, &summary);
+  noise = problem.NoiseInformation(iterate.theta, iterate.sigma);
+  summary.converged = Minimize(&problem, options.step_tolerance, options.max_iterations, noise, &iterate, &summary);
   summary.values = iterate.theta;
   summary.signal_sigma = iterate.sigma;
   summary.deviance = iterate.at.cost + iterate.at.log_determinants;

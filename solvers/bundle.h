@@ -23,15 +23,23 @@
 // Converged: the gradient in units of the unknowns' standard deviations (Newton decrement), undamped, is below
 // `step_tolerance`. A rank-deficient start or minimum is reported by the names of what the data do not see.
 //
+// Rest. Where the sign of a velocity is not known, dry friction may be anything between -Fs and Fs: V_k has the
+// variance (Fs / g)^2 (1 - E[sign | measured]^2) of each joint besides S, Fs held like a weight (not in
+// solvers/ceres_bundle.h). Samples at rest then say little of friction, and those where the sign is known all of it.
+//
 // Robust loss (option): Huber's of the norm of a sample's whitened residual V_k^-1/2 r_k, all joints together, by
 // reweighted rows; weights and covariance are made consistent for normal residuals. Unlike solvers/ceres_bundle.h,
 // where the loss acts on the torque residual after the latent has taken its part, it bears outliers of the joint data
 // too.
 //
 // Covariance. `covariance`: inverse of the Schur complement, right where the model is true and samples are independent.
-// `robust_covariance`: A^-1 (N n / (N n - c) sum of score autocovariances with Bartlett weights + priors) A^-1, right
-// for residuals correlated in time and between joints, and of a variance that changes along the motion (Newey & West
-// 1987). The lag comes from the scores' own first autocorrelations, scaled to the parameters (Andrews 1991, AR(1),
+// J is taken at estimated states, whose error u has the covariance Q = C - C B' V^-1 B C: of K = J' V^-1 J the part
+// N = E sum dJ(u)' V^-1 dJ(u) is noise. The curvature of the cost is A = K - N, the variance of its gradient K, hence
+// `model_covariance` = A^-1 K A^-1; steps near the minimum are taken with A. First order in the joint noise, N = 0,
+// leaves `covariance`. `noise_share` is the largest eigenvalue of K^-1/2 N K^-1/2; above 0.5 the correction itself is
+// rough. `robust_covariance`: A^-1 (N n / (N n - c) sum of score autocovariances with Bartlett weights + priors) A^-1,
+// right for residuals correlated in time and between joints, and of a variance that changes along the motion (Newey &
+// West 1987). The lag comes from the scores' own first autocorrelations, scaled to the parameters (Andrews 1991, AR(1),
 // Bartlett). `interval_factor` widens intervals for the lag being a share b of the samples: the critical values of
 // Kiefer & Vogelsang 2005 (Econometric Theory 21, table 1, Bartlett, 95 %) over the normal one.
 //
@@ -76,7 +84,9 @@ struct BundleSummary {
 
   Eigen::VectorXd values;                         // of BundleData::unknowns
   Eigen::MatrixXd covariance;                     // Schur complement; empty where rank deficient
+  Eigen::MatrixXd model_covariance;               // of independent samples, the states' error accounted for; likewise
   Eigen::MatrixXd robust_covariance;              // sandwich; likewise
+  double noise_share = -1.0;                      // of the curvature: what the states' error makes up, where it is most
   double interval_factor = -1.0;                  // >= 1, for intervals from robust_covariance
   Eigen::VectorXd signal_sigma;                   // n [signal unit]
   double initial_cost = -1.0, final_cost = -1.0;  // sum r' V^-1 r + priors (of rho with a loss), each with its weights

@@ -24,8 +24,13 @@ using Eigen::VectorXd;
 void AddRecording(const PreparedRecording& recording, const PreparedStudy& prepared, int index, BundleData* data) {
   const int payload = recording.entry.payload;
   const JointStates& states = recording.states;
-  MatrixXd all(states.q.rows(), 3 * data->dof);
-  all << states.q, states.dq, states.ddq;
+  MatrixXd all(states.q.rows(), 4 * data->dof);
+  all.leftCols(3 * data->dof) << states.q, states.dq, states.ddq;
+  for (Eigen::Index i = 0; i < states.dq.rows(); ++i) {
+    for (int j = 0; j < data->dof; ++j) {
+      all(i, 3 * data->dof + j) = 1.0 - std::pow(ExpectedSign(states.dq(i, j), prepared.velocity_sigma[j]), 2);
+    }
+  }
   const MatrixXd decimated = recording.decimator.Apply(all);
   InertialVector known = InertialVector::Zero();
   if (payload >= 0) known = data->known_payload[payload];
@@ -41,7 +46,8 @@ void AddRecording(const PreparedRecording& recording, const PreparedStudy& prepa
     }
     sample.known = observation.payload * known;
     sample.signal = observation.signal;
-    sample.state = decimated.row(row++);
+    sample.state = decimated.row(row).head(3 * data->dof);
+    sample.sign_variance = decimated.row(row++).tail(data->dof).cwiseMax(0.0);
     data->samples.push_back(std::move(sample));
   });
 }
@@ -79,6 +85,13 @@ Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
     data.state_covariance.push_back(std::move(of_joints));
     data.payload_of_recording.push_back(recording.entry.payload);
     AddRecording(recording, prepared, static_cast<int>(data.payload_of_recording.size()) - 1, &data);
+  }
+  for (int j = 1; j <= data.dof; ++j) {
+    const auto& of_base = prepared.base.parameters();
+    const auto found = std::find_if(of_base.begin(), of_base.end(), [&](const Parameter& parameter) {
+      return parameter.name == "Fs" + std::to_string(j);
+    });
+    data.coulomb_columns.push_back(found == of_base.end() ? -1 : static_cast<int>(found - of_base.begin()));
   }
   for (size_t p = 0; p < data.payload_columns.size(); ++p) {
     for (int k = 0; k < kNumInertial; ++k) {

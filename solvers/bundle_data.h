@@ -38,6 +38,8 @@ struct BundleSample {
   Eigen::VectorXd known;                                                           // n [N m or N]
   Eigen::VectorXd signal;                                                          // n [signal unit]
   Eigen::VectorXd state;                                                           // 3n: q, dq, ddq
+  // n: variance of the sign of each velocity given its measurement, 1 - E[sign]^2, filtered; empty: zero.
+  Eigen::VectorXd sign_variance;
 };
 
 struct BundleData {
@@ -51,9 +53,10 @@ struct BundleData {
   // A payload of the study: its known part, and the columns among the samples' of its unknown parameters (-1: known).
   std::vector<InertialVector> known_payload;
   std::vector<std::array<int, kNumInertial>> payload_columns;
-  Eigen::MatrixXd inverse_drive;    // M^-1, n x n
-  Eigen::VectorXd known_gains;      // n, or empty: gains are unknown
-  std::vector<BundlePrior> priors;  // of the study, for BundleOptions::priors
+  Eigen::MatrixXd inverse_drive;     // M^-1, n x n
+  std::vector<int> coulomb_columns;  // n: column of each joint's Coulomb friction among the samples', -1: not declared
+  Eigen::VectorXd known_gains;       // n, or empty: gains are unknown
+  std::vector<BundlePrior> priors;   // of the study, for BundleOptions::priors
 
   int num_unknowns() const { return static_cast<int>(unknowns.size()); }
   int num_gains() const { return known_gains.size() > 0 ? 0 : dof; }  // unknown ones

@@ -1,5 +1,7 @@
 #include "solvers/bundle_problem.h"
 
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
@@ -45,6 +47,8 @@ BundleProblem::BundleProblem(const BaseParameters& base, const BundleData& data,
   const int n = data.dof;
   torque_.resize(n);
   lower_.resize(n);
+  rest_.resize(n);
+  friction_.setZero(n, n);
   cb_.resize(3 * n, n);
   factor_.setZero(n, n);
   rows_.setZero(n, data.num_unknowns() + 1);
@@ -55,6 +59,14 @@ void BundleProblem::Set(const VectorXd& theta, const VectorXd& sigma) {
   inverse_gains_ = data_.Gains(theta).cwiseInverse();
   variance_ = sigma.cwiseAbs2();
   drive_ = inverse_gains_.asDiagonal() * data_.inverse_drive;
+}
+
+void BundleProblem::HoldFriction(const VectorXd& theta) {
+  Set(theta, VectorXd::Ones(data_.dof));
+  for (int j = 0; j < data_.dof; ++j) {
+    const int column = data_.coulomb_columns.empty() ? -1 : data_.coulomb_columns[static_cast<size_t>(j)];
+    friction_.col(j) = drive_.col(j) * (column < 0 ? 0.0 : chi_[column]);
+  }
 }
 
 // Lazy products and loops: these matrices are smaller than what a blocked product costs to begin.
@@ -75,6 +87,7 @@ double BundleProblem::Whiten(const BundleSample& sample) {
   }
   v_ = b_.lazyProduct(cb_);
   spread_ = v_.diagonal();
+  AddSignVariance(sample);
   v_.diagonal() += variance_;
   InvertFactor();
   half_ = factor_.lazyProduct(residual_);
@@ -93,12 +106,26 @@ double BundleProblem::Whiten(const BundleSample& sample) {
     }
   }
   for (int j = 0; j < gains; ++j) {
-    // B d = r - S V^-1 r.
-    const double signal = signal_[j] + residual_[j] - variance_[j] * weighted_[j];
+    const double signal = signal_[j] + b_.row(j).dot(deviation_);
     rows_.col(j) = factor_.col(j) * (signal * inverse_gains_[j]);
   }
   rows_.col(c) = half_;
   return half_.squaredNorm();
+}
+
+// At rest dry friction may be anything between -Fs and Fs.
+void BundleProblem::AddSignVariance(const BundleSample& sample) {
+  rest_.setZero();
+  if (sample.sign_variance.size() == 0) return;
+  for (int j = 0; j < data_.dof; ++j) {
+    if (sample.sign_variance[j] == 0.0) continue;
+    for (int a = 0; a < data_.dof; ++a) {
+      if (friction_(a, j) == 0.0) continue;
+      const double share = friction_(a, j) * sample.sign_variance[j];
+      for (int b = 0; b < data_.dof; ++b) v_(a, b) += share * friction_(b, j);
+      rest_[a] += share * friction_(a, j);
+    }
+  }
 }
 
 // L^-1 of v_ = L L' into factor_, by rows: row i of L, then row i of its inverse.
@@ -138,15 +165,19 @@ void BundleProblem::AddPriors(const VectorXd& theta, TriangularFactor* factor) c
 BundleProblem::Evaluation BundleProblem::Evaluate(const VectorXd& theta, const VectorXd& sigma) {
   Evaluation result;
   TriangularFactor factor(data_.num_unknowns() + 1);
-  result.squares = result.spread = VectorXd::Zero(data_.dof);
+  result.squares = result.spread = result.weight = VectorXd::Zero(data_.dof);
   Set(theta, sigma);
   double cost = 0.0;
   for (const BundleSample& sample : data_.samples) {
     const double s = Whiten(sample);
     const double weight = loss_.Weight(s);
     cost += loss_.Cost(s);
-    result.squares += weight * residual_.cwiseAbs2();
-    result.spread += spread_;
+    for (int j = 0; j < data_.dof; ++j) {
+      const double share = variance_[j] / (variance_[j] + rest_[j]), own = share * share;
+      result.squares[j] += own * weight * residual_[j] * residual_[j];
+      result.spread[j] += own * (spread_[j] + rest_[j]);
+      result.weight[j] += own;
+    }
     result.log_determinants += log_determinant_;
     if (weight != 1.0) rows_ *= std::sqrt(weight);
     factor.AddRows(rows_);
@@ -178,10 +209,47 @@ VectorXd BundleProblem::NextSigma(const Evaluation& at) const {
   const double samples = static_cast<double>(data_.samples.size());
   // Unknowns are shared between joints; each joint bears its part of the freedom they take.
   const double freedom = samples - static_cast<double>(data_.num_unknowns()) / data_.dof;
-  const VectorXd mean_square = at.squares / (loss_.Consistency(data_.dof) * freedom);
-  const VectorXd next = (mean_square - at.spread / samples).cwiseMax(1e-4 * mean_square).cwiseSqrt();
+  const VectorXd mean_square =
+      at.squares.cwiseQuotient(at.weight) * (samples / (loss_.Consistency(data_.dof) * freedom));
+  const VectorXd next = (mean_square - at.spread.cwiseQuotient(at.weight)).cwiseMax(1e-4 * mean_square).cwiseSqrt();
   // Noise-free data: keep away from dividing by rounding.
   return next.cwiseMax(1e-12 * next.maxCoeff()).cwiseMax(1e-300);
+}
+
+MatrixXd BundleProblem::NoiseInformation(const VectorXd& theta, const VectorXd& sigma, int max_samples) {
+  const int n = data_.dof, c = data_.num_unknowns(), gains = data_.num_gains();
+  MatrixXd sum = MatrixXd::Zero(c, c);
+  Set(theta, sigma);
+  const size_t count = data_.samples.size();
+  const size_t step = std::max<size_t>(1, count / static_cast<size_t>(max_samples));
+  std::vector<MatrixXd> states;
+  for (size_t r = 0; r < data_.state_covariance.size(); ++r)
+    states.push_back(StateCovarianceOf(data_, static_cast<int>(r)));
+  RowMajorMatrix rows(3 * n * n, c);
+  double used = 0.0;
+  for (size_t k = step / 2; k < count; k += step, used += 1.0) {
+    const BundleSample& sample = data_.samples[k];
+    Whiten(sample);
+    const MatrixXd half = factor_ * cb_.transpose();
+    // Units of q, dq and ddq differ by orders of magnitude.
+    const VectorXd scale = states[static_cast<size_t>(sample.recording)].diagonal().cwiseSqrt().cwiseMax(1e-300);
+    const MatrixXd q = scale.cwiseInverse().asDiagonal() *
+                       (states[static_cast<size_t>(sample.recording)] - half.transpose() * half) *
+                       scale.cwiseInverse().asDiagonal();
+    const Eigen::LDLT<MatrixXd> ldlt(q);
+    const MatrixXd root = scale.asDiagonal() * (ldlt.transpositionsP().transpose() * MatrixXd(ldlt.matrixL())) *
+                          ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    for (int s = 0; s < 3 * n; ++s) {
+      deviation_ = root.col(s);
+      derivatives_.Columns(sample, deviation_, &change_);
+      auto own = rows.middleRows(s * n, n);
+      own.rightCols(data_.num_columns()) = -(whitened_drive_ * change_);
+      if (gains > 0)
+        own.leftCols(gains) = factor_ * VectorXd((b_ * deviation_).cwiseProduct(inverse_gains_)).asDiagonal();
+    }
+    sum.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+  }
+  return MatrixXd(sum.selfadjointView<Eigen::Lower>()) * (static_cast<double>(count) / std::max(used, 1.0));
 }
 
 BundleProblem::Sensitivity BundleProblem::Scores(const VectorXd& theta, const VectorXd& sigma) {

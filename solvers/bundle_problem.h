@@ -39,12 +39,17 @@ class BundleProblem {
     double cost = std::numeric_limits<double>::infinity();
     // (c + 1) x (c + 1), upper triangular: R'R = sum w [J r]' V^-1 [J r] + priors.
     Eigen::MatrixXd r;
-    Eigen::VectorXd squares;        // n, sum w r_j^2
-    Eigen::VectorXd spread;         // n, sum (B C B')_jj
+    // n each, sums over samples with the weight u = (S_jj / (S_jj + F_jj))^2 of a sample for joint j's sigma, F the
+    // variance that the sign at rest adds: of u w r_j^2, u (B C B' + F)_jj and u.
+    Eigen::VectorXd squares, spread, weight;
     double log_determinants = 0.0;  // sum log |V|
   };
   // sigma: n standard deviations of the signals. Cost infinite, and the rest without meaning, where it overflows.
   Evaluation Evaluate(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
+
+  // Dry friction at rest, whose variance is part of V: that of theta from now on. A weight, held while theta moves
+  // (with it free the cost would fall by friction growing). Until the first call: none.
+  void HoldFriction(const Eigen::VectorXd& theta);
 
   // What the residual's mean square leaves after the joint data's share: the next standard deviations.
   Eigen::VectorXd NextSigma(const Evaluation& at) const;
@@ -65,6 +70,10 @@ class BundleProblem {
   };
   Rows Linearize(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
 
+  // E sum dJ' V^-1 dJ: what the error of the estimated states, of covariance Q = C - C B' V^-1 B C, adds to
+  // sum J' V^-1 J. From at most `max_samples` of the samples, evenly spread. c x c.
+  Eigen::MatrixXd NoiseInformation(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma, int max_samples = 400);
+
   int num_gains() const { return data_.num_gains(); }
 
  private:
@@ -72,6 +81,7 @@ class BundleProblem {
   void Set(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
   // The whitened rows V^-1/2 [J | r] of one sample into rows_; returns r' V^-1 r. Allocates nothing.
   double Whiten(const BundleSample& sample);
+  void AddSignVariance(const BundleSample& sample);
   void InvertFactor();
   void AddPriors(const Eigen::VectorXd& theta, class TriangularFactor* factor) const;
 
@@ -81,9 +91,10 @@ class BundleProblem {
   StateDerivatives derivatives_;
   // Of Set().
   Eigen::VectorXd chi_, inverse_gains_, variance_;
-  Eigen::MatrixXd drive_;  // diag(1/g) M^-1
+  Eigen::MatrixXd drive_;     // diag(1/g) M^-1
+  Eigen::MatrixXd friction_;  // its columns times Fs, of HoldFriction()
   // Of the last sample.
-  Eigen::VectorXd torque_, signal_, residual_, spread_, half_, weighted_, deviation_, lower_;
+  Eigen::VectorXd torque_, signal_, residual_, spread_, rest_, half_, weighted_, deviation_, lower_;
   Eigen::MatrixXd d_, b_, cb_, v_, factor_, whitened_drive_;  // factor_: L^-1 of V = L L'
   RowMajorMatrix change_, rows_;
   double log_determinant_ = 0.0;  // of V

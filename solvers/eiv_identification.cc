@@ -255,7 +255,7 @@ Identification IdentificationOf(const PreparedStudy& prepared, const BundleData&
   for (ParameterEstimate& p : estimate.parameters) {
     SetInterval95(summary.degrees_of_freedom, &p, summary.interval_factor);
   }
-  SetModelCovariance(data.unknowns, summary.covariance, &estimate);
+  SetModelCovariance(data.unknowns, summary.model_covariance, &estimate);
   estimate.uncertainty = Uncertainty(summary);
   estimate.condition_number_weighted = summary.condition_number;
   estimate.signal_noise_decimated = summary.signal_sigma;

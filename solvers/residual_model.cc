@@ -23,6 +23,7 @@ ResidualModel::ResidualModel(const PreparedStudy& prepared, const BundleData& da
   CHECK(summary.IsSolutionUsable()) << summary.status.message();
   CHECK_GE(folds, 2);
   BundleProblem problem(prepared.base, data, data.priors, HuberNorm{});
+  problem.HoldFriction(summary.values);
   BundleProblem::Rows rows = problem.Linearize(summary.values, summary.signal_sigma);
   const Index c = data.num_unknowns();
   residual_ = rows.rows.col(c);

@@ -133,11 +133,82 @@ TEST(Bundle, RobustCovarianceIsTheSumOfAutocovariances) {
   }
   middle *= 3.0 * static_cast<double>(samples.size()) / summary.degrees_of_freedom;
   middle(1, 1) += 1.0 / (0.3 * 0.3);
-  const MatrixXd expected = summary.covariance * middle * summary.covariance;
+  const MatrixXd noise = problem.NoiseInformation(summary.values, summary.signal_sigma);
+  const MatrixXd bread = (summary.covariance.inverse() - noise).inverse();
+  const MatrixXd expected = bread * middle * bread;
+  const MatrixXd model = bread * summary.covariance.inverse() * bread;
+  EXPECT_LT((model - summary.model_covariance).norm(), 1e-7 * model.norm());
   const VectorXd scale = expected.diagonal().cwiseSqrt().cwiseInverse();
   EXPECT_LT((scale.asDiagonal() * (summary.robust_covariance - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff(),
-            1e-9);
+            1e-7);
   EXPECT_NEAR(summary.interval_factor, 1.0 + 2.9694 / 1.96 * 8.0 / static_cast<double>(samples.size()), 1e-3);
+}
+
+// What the estimated states' error adds to the information, densely and from every sample.
+TEST(Bundle, NoiseInformationIsTheSumOverTheStatesErrors) {
+  BundleStudy study = Arm3();
+  study.data.samples.resize(40);
+  const int n = study.data.dof;
+  const auto& [base, data] = std::tie(study.prepared.base, study.data);
+  StateDerivatives derivatives(base, data);
+  const VectorXd inverse_gains = study.truth.head(n).cwiseInverse(), chi = study.truth.tail(data.num_columns());
+  MatrixXd d, expected = MatrixXd::Zero(study.truth.size(), study.truth.size());
+  StateDerivatives::RowMajorMatrix change;
+  for (const BundleSample& sample : data.samples) {
+    derivatives.Torque(sample, chi, &d);
+    const MatrixXd b = inverse_gains.asDiagonal() * data.inverse_drive * d;
+    const MatrixXd c = StateCovarianceOf(data, sample.recording);
+    MatrixXd v = b * c * b.transpose();
+    v.diagonal() += study.sigma.cwiseAbs2();
+    const MatrixXd q = c - c * b.transpose() * v.inverse() * b * c;
+    // E dJ' V^-1 dJ over u ~ N(0, Q) is the sum of Q_ab dJ_a' V^-1 dJ_b over pairs of coordinates.
+    std::vector<MatrixXd> rows;
+    for (int s = 0; s < 3 * n; ++s) {
+      derivatives.Columns(sample, VectorXd::Unit(3 * n, s), &change);
+      MatrixXd of_state(n, study.truth.size());
+      of_state << MatrixXd(b.col(s).cwiseProduct(inverse_gains).asDiagonal()),
+          -(inverse_gains.asDiagonal() * (data.inverse_drive * change));
+      rows.push_back(of_state);
+    }
+    const MatrixXd weight = v.inverse();
+    for (int s = 0; s < 3 * n; ++s) {
+      for (int t = 0; t < 3 * n; ++t) expected += q(s, t) * rows[s].transpose() * weight * rows[t];
+    }
+  }
+  BundleProblem problem(base, data, {}, HuberNorm{});
+  const MatrixXd noise = problem.NoiseInformation(study.truth, study.sigma);
+  const VectorXd scale = expected.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  EXPECT_LT((scale.asDiagonal() * (noise - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_GT(expected.diagonal().maxCoeff(), 0.0);
+  // Of every other sample: about the same.
+  const MatrixXd half = problem.NoiseInformation(study.truth, study.sigma, 20);
+  EXPECT_NEAR(half.trace() / noise.trace(), 1.0, 0.3);
+}
+
+// A sample at rest tells nothing of dry friction, one in motion all: the weight of the residual is that of a torque
+// anywhere between -Fs and Fs, and the weights that are estimated do not take it for noise of the signal.
+TEST(Bundle, SamplesAtRestDoNotTellFriction) {
+  BundleStudy study = Arm3();
+  const BundleSummary before = SolveBundle(study.prepared.base, study.data, study.truth, BundleOptions());
+  // Every fifth sample: joint 2's friction torque is half of Fs off, and its sign is not known.
+  const int joint = 1, column = study.data.coulomb_columns[joint];
+  ASSERT_GE(column, 0);
+  const double friction = study.truth[3 + column] / study.truth[joint];
+  for (size_t k = 0; k < study.data.samples.size(); k += 5) {
+    study.data.samples[k].signal[joint] += (k % 2 == 0 ? 0.5 : -0.5) * friction;
+  }
+  const BundleSummary fooled = SolveBundle(study.prepared.base, study.data, study.truth, BundleOptions());
+  for (size_t k = 0; k < study.data.samples.size(); k += 5) {
+    study.data.samples[k].sign_variance = VectorXd::Unit(3, joint);
+  }
+  const BundleSummary careful = SolveBundle(study.prepared.base, study.data, study.truth, BundleOptions());
+  ASSERT_TRUE(before.IsSolutionUsable() && fooled.IsSolutionUsable() && careful.IsSolutionUsable())
+      << careful.status.message();
+  EXPECT_GT(fooled.signal_sigma[joint], 1.2 * before.signal_sigma[joint]);
+  EXPECT_NEAR(careful.signal_sigma[joint] / before.signal_sigma[joint], 1.0, 0.1);
+  EXPECT_LT(Distance(careful.values, before.values, before.covariance), 3.0);
+  EXPECT_GT(careful.covariance(joint, joint), before.covariance(joint, joint));
+  EXPECT_LT(careful.covariance(joint, joint), fooled.covariance(joint, joint));
 }
 
 // Independent samples need no lag; signals whose noise lasts ask for one. AR(1) of 0.9: 1.1447 (4 r^2 / (1 - r^2)^2

@@ -25,6 +25,9 @@ using Evaluation = BundleProblem::Evaluation;
 // depend on the unknowns to second order.
 constexpr double kLooseTolerance = 0.03;
 
+// From which the noise of the final curvature is taken; a step needs it less well.
+constexpr int kNoiseSamples = 2000;
+
 // What Minimize() carries from one call to the next.
 struct Iterate {
   VectorXd theta, sigma;
@@ -41,7 +44,7 @@ VectorXd Moved(const VectorXd& theta, const VectorXd& move, Index gains) {
 
 // What the error of the estimated states adds to the curvature K = R'R, held to the share of K at which K - N is still
 // a curvature. *share: of the direction where it is largest.
-constexpr double kLargestShare = 0.9;
+constexpr double kLargestShare = 0.97;
 MatrixXd HeldNoise(const MatrixXd& noise, const MatrixXd& r, double* share) {
   const VectorXd inverse_scale = ColumnScales(r).cwiseInverse();
   const MatrixXd scaled = r * inverse_scale.asDiagonal();
@@ -137,14 +140,21 @@ void SetCovariance(BundleProblem* problem, const BundleData& data, const Iterate
   const MatrixXd inverse = InverseOf(sensitivity.curvature);
   const double variance = HuberNorm{options.huber_threshold * std::sqrt(data.dof)}.VarianceFactor(data.dof);
   summary->covariance = inverse * inverse.transpose() * variance;
-  const MatrixXd noise =
-      HeldNoise(problem->NoiseInformation(iterate.theta, iterate.sigma), sensitivity.curvature, &summary->noise_share);
+  const MatrixXd noise = HeldNoise(problem->NoiseInformation(iterate.theta, iterate.sigma, kNoiseSamples),
+                                   sensitivity.curvature, &summary->noise_share);
   // (I - T)^-1 between R^-1 and its transpose, T the shares of the noise.
   const MatrixXd shares = inverse.transpose() * noise * inverse;
   const MatrixXd bread =
       inverse * (MatrixXd::Identity(shares.rows(), shares.cols()) - shares).inverse() * inverse.transpose();
-  summary->model_covariance =
-      bread * (sensitivity.curvature.transpose() * sensitivity.curvature) * bread.transpose() * variance;
+  MatrixXd middle = sensitivity.curvature.transpose() * sensitivity.curvature * variance;
+  if (options.max_weight_iterations > 0) {
+    // Weights that are estimated: their errors move the estimate where the joint data's noise is felt.
+    const MatrixXd by_variance = problem->ScoreByVariance(iterate.theta, iterate.sigma, kNoiseSamples);
+    const MatrixXd of_variances = sensitivity.variances.transpose() * sensitivity.variances;
+    middle += by_variance * of_variances * by_variance.transpose();
+    sensitivity.scores += sensitivity.variances * by_variance.transpose();
+  }
+  summary->model_covariance = bread * middle * bread.transpose();
   const std::vector<std::pair<Index, Index>> recordings = RecordingsOf(data);
   // Influence of each sample on the parameters.
   MatrixXd& influence = sensitivity.scores;

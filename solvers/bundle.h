@@ -36,12 +36,14 @@
 // J is taken at estimated states, whose error u has the covariance Q = C - C B' V^-1 B C: of K = J' V^-1 J the part
 // N = E sum dJ(u)' V^-1 dJ(u) is noise. The curvature of the cost is A = K - N, the variance of its gradient K, hence
 // `model_covariance` = A^-1 K A^-1; steps near the minimum are taken with A. First order in the joint noise, N = 0,
-// leaves `covariance`. `noise_share` is the largest eigenvalue of K^-1/2 N K^-1/2; above 0.5 the correction itself is
-// rough. `robust_covariance`: A^-1 (N n / (N n - c) sum of score autocovariances with Bartlett weights + priors) A^-1,
-// right for residuals correlated in time and between joints, and of a variance that changes along the motion (Newey &
-// West 1987). The lag comes from the scores' own first autocorrelations, scaled to the parameters (Andrews 1991, AR(1),
-// Bartlett). `interval_factor` widens intervals for the lag being a share b of the samples: the critical values of
-// Kiefer & Vogelsang 2005 (Econometric Theory 21, table 1, Bartlett, 95 %) over the normal one.
+// leaves `covariance`. Weights that are estimated have an influence of their own, by the change of the scores with each
+// sigma^2; it is in both covariances below. `noise_share` is the largest eigenvalue of K^-1/2 N K^-1/2; above 0.5 the
+// correction itself is rough. `robust_covariance`: A^-1 (N n / (N n - c) sum of score autocovariances with Bartlett
+// weights + priors) A^-1, right for residuals correlated in time and between joints, and of a variance that changes
+// along the motion (Newey & West 1987). The lag comes from the scores' own first autocorrelations, scaled to the
+// parameters (Andrews 1991, AR(1), Bartlett). `interval_factor` widens intervals for the lag being a share b of the
+// samples: the critical values of Kiefer & Vogelsang 2005 (Econometric Theory 21, table 1, Bartlett, 95 %) over the
+// normal one.
 //
 // Consistent for known C (up to what linearisation leaves, of second order in the joint noise); the estimating equation
 // sum J' V^-1 r has zero mean at the truth because the noise of the columns in J and that of d_k cancel.

@@ -252,15 +252,52 @@ MatrixXd BundleProblem::NoiseInformation(const VectorXd& theta, const VectorXd& 
   return MatrixXd(sum.selfadjointView<Eigen::Lower>()) * (static_cast<double>(count) / std::max(used, 1.0));
 }
 
+VectorXd BundleProblem::ScoreSum(const VectorXd& theta, const VectorXd& sigma, size_t step) {
+  const int c = data_.num_unknowns();
+  Set(theta, sigma);
+  VectorXd sum = VectorXd::Zero(c);
+  double used = 0.0;
+  for (size_t k = step / 2; k < data_.samples.size(); k += step, used += 1.0) {
+    const double weight = loss_.Weight(Whiten(data_.samples[k]));
+    sum.noalias() += weight * (rows_.leftCols(c).transpose() * half_);
+  }
+  return sum * (static_cast<double>(data_.samples.size()) / std::max(used, 1.0));
+}
+
+MatrixXd BundleProblem::ScoreByVariance(const VectorXd& theta, const VectorXd& sigma, int max_samples) {
+  constexpr double kStep = 1e-3;  // of the variance
+  const size_t step = std::max<size_t>(1, data_.samples.size() / static_cast<size_t>(max_samples));
+  MatrixXd result(data_.num_unknowns(), data_.dof);
+  for (int j = 0; j < data_.dof; ++j) {
+    const auto at = [&](double share) {
+      VectorXd moved = sigma;
+      moved[j] *= std::sqrt(1.0 + share);
+      return ScoreSum(theta, moved, step);
+    };
+    result.col(j) = (at(kStep) - at(-kStep)) / (2.0 * kStep * sigma[j] * sigma[j]);
+  }
+  return result;
+}
+
 BundleProblem::Sensitivity BundleProblem::Scores(const VectorXd& theta, const VectorXd& sigma) {
   const int c = data_.num_unknowns();
   Sensitivity result;
+  const double count = static_cast<double>(data_.samples.size());
+  const double scale = count / (loss_.Consistency(data_.dof) * (count - static_cast<double>(c) / data_.dof));
   result.scores.resize(static_cast<Index>(data_.samples.size()), c);
+  result.variances.resize(result.scores.rows(), data_.dof);
+  VectorXd shares = VectorXd::Zero(data_.dof);
   TriangularFactor factor(c + 1);
   Set(theta, sigma);
   for (size_t k = 0; k < data_.samples.size(); ++k) {
     const double s = Whiten(data_.samples[k]);
     const double weight = loss_.Weight(s);
+    for (int j = 0; j < data_.dof; ++j) {
+      const double share = std::pow(variance_[j] / (variance_[j] + rest_[j]), 2);
+      shares[j] += share;
+      result.variances(static_cast<Index>(k), j) =
+          share * (scale * weight * residual_[j] * residual_[j] - spread_[j] - rest_[j] - variance_[j]);
+    }
     result.scores.row(static_cast<Index>(k)).noalias() = weight * (half_.transpose() * rows_.leftCols(c));
     if (weight != 1.0) {
       half_ /= std::sqrt(s);
@@ -271,6 +308,7 @@ BundleProblem::Sensitivity BundleProblem::Scores(const VectorXd& theta, const Ve
   }
   AddPriors(theta, &factor);
   result.curvature = factor.R().topLeftCorner(c, c);
+  result.variances *= shares.cwiseInverse().asDiagonal();
   return result;
 }
 

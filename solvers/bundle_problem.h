@@ -59,6 +59,8 @@ class BundleProblem {
   struct Sensitivity {
     Eigen::MatrixXd scores;
     Eigen::MatrixXd curvature;
+    // samples x n: what each sample adds to the variances sigma^2 that NextSigma() gives, their sums zero.
+    Eigen::MatrixXd variances;
   };
   Sensitivity Scores(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
 
@@ -69,6 +71,9 @@ class BundleProblem {
     std::vector<Eigen::MatrixXd> of_torque;
   };
   Rows Linearize(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
+
+  // d(sum of scores) / d(sigma_j^2), c x n: by central differences, from at most `max_samples` of the samples.
+  Eigen::MatrixXd ScoreByVariance(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma, int max_samples);
 
   // E sum dJ' V^-1 dJ: what the error of the estimated states, of covariance Q = C - C B' V^-1 B C, adds to
   // sum J' V^-1 J. From at most `max_samples` of the samples, evenly spread. c x c.
@@ -81,6 +86,7 @@ class BundleProblem {
   void Set(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
   // The whitened rows V^-1/2 [J | r] of one sample into rows_; returns r' V^-1 r. Allocates nothing.
   double Whiten(const BundleSample& sample);
+  Eigen::VectorXd ScoreSum(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma, size_t step);
   void AddSignVariance(const BundleSample& sample);
   void InvertFactor();
   void AddPriors(const Eigen::VectorXd& theta, class TriangularFactor* factor) const;

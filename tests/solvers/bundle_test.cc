@@ -116,11 +116,17 @@ TEST(Bundle, RobustCovarianceIsTheSumOfAutocovariances) {
   const BundleSummary summary = SolveBundle(study.prepared.base, study.data, study.truth, options);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.status.message();
   BundleProblem problem(study.prepared.base, study.data, options.priors, HuberNorm{});
-  const MatrixXd scores = problem.Scores(summary.values, summary.signal_sigma).scores;
+  problem.HoldFriction(summary.values);
+  const BundleProblem::Sensitivity sensitivity = problem.Scores(summary.values, summary.signal_sigma);
+  EXPECT_LT(sensitivity.variances.colwise().sum().cwiseAbs().maxCoeff(),
+            1e-3 * summary.signal_sigma.cwiseAbs2().minCoeff());
+  const MatrixXd by_variance = problem.ScoreByVariance(summary.values, summary.signal_sigma, 2000);
+  MatrixXd scores = sensitivity.scores;
   // Scores and the prior's pull balance at the minimum.
   VectorXd pull = scores.colwise().sum().transpose();
   pull[1] += (summary.values[1] - study.truth[1]) / (0.3 * 0.3);
   EXPECT_LT(std::sqrt(pull.dot(summary.covariance * pull)), 1e-4);
+  scores += sensitivity.variances * by_variance.transpose();
 
   MatrixXd middle = MatrixXd::Zero(scores.cols(), scores.cols());
   const auto& samples = study.data.samples;
@@ -133,10 +139,12 @@ TEST(Bundle, RobustCovarianceIsTheSumOfAutocovariances) {
   }
   middle *= 3.0 * static_cast<double>(samples.size()) / summary.degrees_of_freedom;
   middle(1, 1) += 1.0 / (0.3 * 0.3);
-  const MatrixXd noise = problem.NoiseInformation(summary.values, summary.signal_sigma);
+  const MatrixXd noise = problem.NoiseInformation(summary.values, summary.signal_sigma, 2000);
   const MatrixXd bread = (summary.covariance.inverse() - noise).inverse();
   const MatrixXd expected = bread * middle * bread;
-  const MatrixXd model = bread * summary.covariance.inverse() * bread;
+  const MatrixXd of_variances =
+      by_variance * (sensitivity.variances.transpose() * sensitivity.variances) * by_variance.transpose();
+  const MatrixXd model = bread * (summary.covariance.inverse() + of_variances) * bread;
   EXPECT_LT((model - summary.model_covariance).norm(), 1e-7 * model.norm());
   const VectorXd scale = expected.diagonal().cwiseSqrt().cwiseInverse();
   EXPECT_LT((scale.asDiagonal() * (summary.robust_covariance - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff(),

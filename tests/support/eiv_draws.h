@@ -39,6 +39,8 @@ inline void EvaluateColumns(const BaseParameters& base, double velocity_sigma, B
   for (BundleSample& sample : data->samples) {
     const double* x = sample.state.data();
     model.Regressor(x, x + n, x + 2 * n, sigma.data(), standard.data());
+    sample.sign_variance.resize(n);
+    for (int j = 0; j < n; ++j) sample.sign_variance[j] = 1.0 - std::pow(ExpectedSign(x[n + j], velocity_sigma), 2);
     sample.columns.setZero();
     for (int k = 0; k < data->num_base; ++k) sample.columns.col(k) = standard.col(base.kept()[k]);
     sample.known.setZero();

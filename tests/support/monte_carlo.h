@@ -41,7 +41,7 @@ inline int MonteCarloRuns(int usual) {
 struct MonteCarloRun {
   std::string failure;  // empty: the estimator gave an estimate
   Eigen::VectorXd error;
-  Eigen::MatrixXd covariance;         // Schur complement
+  Eigen::MatrixXd covariance;         // of independent samples
   Eigen::MatrixXd robust_covariance;  // sandwich, times the square of its interval factor
   Eigen::VectorXd sigma;              // found noise over true noise, a joint
 };
@@ -54,7 +54,7 @@ inline MonteCarloRun RunOf(const BundleSummary& summary, const Eigen::VectorXd& 
     return run;
   }
   run.error = summary.values - truth;
-  run.covariance = summary.covariance;
+  run.covariance = summary.model_covariance;
   run.robust_covariance = summary.interval_factor * summary.interval_factor * summary.robust_covariance;
   run.sigma = summary.signal_sigma.cwiseQuotient(sigma);
   return run;

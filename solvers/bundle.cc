@@ -268,6 +268,7 @@ BundleSummary SolveBundle(const BaseParameters& base, const BundleData& data, co
     ++summary.weight_iterations;
     settled = ((next - iterate.sigma).cwiseQuotient(iterate.sigma)).cwiseAbs().maxCoeff() < options.weight_tolerance;
     iterate.sigma = next;
+    if (noise.size() == 0) noise = problem.NoiseInformation(iterate.theta, iterate.sigma);
     problem.HoldFriction(iterate.theta);
     evaluate();
   }

@@ -1,0 +1,45 @@
+// What closing the loop found, as loop.json (schema idim.loop.1), as text for the console and as one HTML page.
+//
+// Friction curve of a joint: data are the measured torque less all of the final model that is not friction, the model's
+// are its friction alone (Fv, Fs, off and the effects of friction on that joint). The two differ by the final residual.
+
+#ifndef IDIM_SOLVERS_LOOP_REPORT_H_
+#define IDIM_SOLVERS_LOOP_REPORT_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "solvers/close_loop.h"
+
+namespace idim {
+
+// Of the loop, else of the final estimate: what the program answers with.
+Status StatusOf(const LoopResult& result);
+
+// Deterministic but for "seconds", that of the final estimate; the same for any number of threads, as all below.
+std::string LoopToJson(const LoopResult& result);
+
+std::string LoopToText(const LoopResult& result);
+
+// Decimated samples of all recordings, one after the other; samples at which the joint rests count too.
+struct EffectCurve {
+  int joint = 0;             // zero-based
+  bool is_friction = false;  // else the torque of the effects alone
+  std::string effects;       // ids, comma-separated
+  Eigen::VectorXd abscissa;  // N: dq [rad/s or m/s] of friction, else q [rad or m]
+  Eigen::VectorXd data;      // N [N m or N]
+  Eigen::VectorXd model;     // N
+  Eigen::VectorXd declared;  // N: the friction of the declared model; empty where it is not friction
+};
+
+// A curve a joint on which an effect of friction acts, and one a joint on which effects of one or two joints act that
+// are not friction.
+std::vector<EffectCurve> EffectCurves(const LoopResult& result);
+
+// The page; without numbers where the declared model could not be fitted.
+std::string RenderLoopReport(const LoopResult& result);
+
+}  // namespace idim
+
+#endif  // IDIM_SOLVERS_LOOP_REPORT_H_

@@ -61,12 +61,12 @@ Status Run(const std::string& study_path) {
   if (!loop.ok()) return loop.status();
 
   progress.At("report");
-  // A loop that did not come to a final model answers with the declared one, as far as that came.
-  if (!loop->status.ok()) {
-    loop->after = loop->before;
-    loop->after.estimate.status = loop->status;
-  }
   idim::Estimate& estimate = loop->after.estimate;
+  if (estimate.parameters.empty()) {
+    estimate.status = idim::StatusOf(*loop);
+    estimate.robot = study->robot.name;
+    estimate.estimator = "eiv";
+  }
   estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::vector<idim::OutputFile> files = {{"loop.json", idim::LoopToJson(*loop)},
                                          {"estimate.json", idim::EstimateToJson(estimate)},

@@ -15,12 +15,15 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Those that are a torque against the motion of one joint.
+// Those that are a torque against the motion of one joint. An effect that is not named here is drawn over its own
+// torque, which is right for any.
 bool IsFriction(const Effect& effect) {
   constexpr const char* kIds[] = {"stribeck",      "power_viscous", "asymmetric_friction",
                                   "load_friction", "presliding",    "thermal_drift"};
   return std::any_of(std::begin(kIds), std::end(kIds), [&](const char* id) { return effect.id() == id; });
 }
+
+bool IsOfPosition(const std::string& id) { return id == "joint_spring" || id == "torque_ripple"; }
 
 double ValueOf(const Estimate& estimate, const std::string& name) {
   const ParameterEstimate* p = FindEstimate(estimate, name);
@@ -60,7 +63,6 @@ VectorXd EffectTorque(const LoopResult& result, const PreparedRecording& recordi
 EffectCurve Curve(const LoopResult& result, int joint, bool friction) {
   EffectCurve curve;
   curve.joint = joint;
-  curve.is_friction = friction;
   std::vector<std::string> ids;
   for (const ActiveEffect& active : result.prepared.effects) {
     const bool here = std::find(active.joints.begin(), active.joints.end(), joint) != active.joints.end();
@@ -68,6 +70,10 @@ EffectCurve Curve(const LoopResult& result, int joint, bool friction) {
   }
   curve.effects = Join(ids, ", ");
   if (ids.empty()) return curve;
+  const bool of_position = std::all_of(ids.begin(), ids.end(), IsOfPosition);
+  curve.over = friction      ? EffectCurve::Over::kVelocity
+               : of_position ? EffectCurve::Over::kPosition
+                             : EffectCurve::Over::kModel;
   std::vector<VectorXd> abscissa, data, model, declared;
   Index count = 0;
   for (size_t r = 0; r < result.prepared.recordings.size(); ++r) {
@@ -82,7 +88,9 @@ EffectCurve Curve(const LoopResult& result, int joint, bool friction) {
     }
     model.push_back(recording.decimator.Apply(torque).col(0));
     data.push_back(model.back() + series.decimated_torque.col(joint) - series.decimated_model.col(joint));
-    abscissa.push_back(friction ? series.decimated_dq.col(joint) : series.decimated_q.col(joint));
+    abscissa.push_back(friction      ? VectorXd(series.decimated_dq.col(joint))
+                       : of_position ? VectorXd(series.decimated_q.col(joint))
+                                     : model.back());
     count += series.decimated_t.size();
   }
   const auto joined = [&](const std::vector<VectorXd>& parts) {

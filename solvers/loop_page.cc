@@ -177,15 +177,16 @@ Section Step(const LoopResult& result, const LoopStep& step, size_t number) {
   Section section;
   section.title = std::to_string(number) + ". " + Capital(Words(EffectTitle(step.effect)));
   section.blocks.emplace_back(Paragraph{step.effect.effect->physics()});
-  KeyValues facts;
-  facts.entries = {{"how sure", OnPage(EvidenceSentence(result, step))},
-                   {"identification error",
-                    PercentText(step.before.identification) + " → " + PercentText(step.after.identification) + " %"},
-                   {"error on the " + HeldOutName(result),
-                    PercentText(step.before.validation) + " → " + PercentText(step.after.validation) + " %"},
-                   {"to confirm at the robot", step.effect.effect->how_to_confirm()},
-                   {"rivals", RivalSentence(step)}};
-  section.blocks.emplace_back(std::move(facts));
+  KeyValues errors;
+  errors.entries = {{"identification error",
+                     PercentText(step.before.identification) + " → " + PercentText(step.after.identification) + " %"},
+                    {"error on the " + HeldOutName(result),
+                     PercentText(step.before.validation) + " → " + PercentText(step.after.validation) + " %"}};
+  section.blocks.emplace_back(std::move(errors));
+  section.blocks.emplace_back(Paragraph{"How sure: " + OnPage(EvidenceSentence(result, step)) + "."});
+  section.blocks.emplace_back(Paragraph{"Rivals: " + RivalSentence(step) + "."});
+  section.blocks.emplace_back(
+      Paragraph{"To confirm at the robot: " + step.effect.effect->how_to_confirm(), Paragraph::Kind::kNote});
   Table table;
   table.caption = "Its parameters in the final model";
   table.columns = {{"parameter"},
@@ -297,28 +298,52 @@ Section Left(const LoopResult& result) {
   return section;
 }
 
-Section Curves(const LoopResult& result, const std::vector<EffectCurve>& curves, bool friction) {
+Section FrictionCurves(const LoopResult& result, const std::vector<EffectCurve>& curves) {
   Section section;
-  section.title = friction ? "Friction curves" : "Torque of the effects over position";
+  section.title = "Friction curves";
   FigureGrid grid;
   for (const EffectCurve& curve : curves) {
-    if (curve.is_friction != friction) continue;
+    if (curve.over != EffectCurve::Over::kVelocity) continue;
     const Units units = UnitsOf(result, curve.joint);
     ScatterFigure figure;
     figure.title = JointTitle(curve.joint) + ": " + Words(curve.effects);
-    figure.x_title = friction ? "velocity [" + units.position + "/s]" : "position [" + units.position + "]";
-    figure.y_title = (friction ? "friction [" : "torque [") + units.torque + "]";
-    figure.sets.push_back({"data", curve.abscissa, curve.data, SeriesColor::kResidual});
-    if (friction) figure.sets.push_back({"declared model", curve.abscissa, curve.declared, kBefore});
-    figure.sets.push_back({"final model", curve.abscissa, curve.model, kAfter});
+    figure.x_title = "velocity [" + units.position + "/s]";
+    figure.y_title = "friction [" + units.torque + "]";
+    figure.sets = {{"data", curve.abscissa, curve.data, SeriesColor::kResidual},
+                   {"declared model", curve.abscissa, curve.declared, kBefore},
+                   {"final model", curve.abscissa, curve.model, kAfter}};
+    grid.figures.emplace_back(std::move(figure));
+  }
+  if (grid.figures.empty()) return section;
+  section.blocks.emplace_back(
+      Paragraph{"Data: the measured torque less all of the final model that is not friction. Friction that depends on "
+                "load, history or time as well is a cloud, not a line."});
+  section.blocks.emplace_back(std::move(grid));
+  return section;
+}
+
+Section OtherCurves(const LoopResult& result, const std::vector<EffectCurve>& curves) {
+  Section section;
+  section.title = "Torque of the other effects";
+  FigureGrid grid;
+  for (const EffectCurve& curve : curves) {
+    if (curve.over == EffectCurve::Over::kVelocity) continue;
+    const Units units = UnitsOf(result, curve.joint);
+    const bool over_position = curve.over == EffectCurve::Over::kPosition;
+    ScatterFigure figure;
+    figure.title = JointTitle(curve.joint) + ": " + Words(curve.effects);
+    figure.x_title =
+        over_position ? "position [" + units.position + "]" : "torque by the final model [" + units.torque + "]";
+    figure.y_title = "torque [" + units.torque + "]";
+    figure.sets = {{"data", curve.abscissa, curve.data, SeriesColor::kResidual},
+                   {"final model", curve.abscissa, curve.model, kAfter}};
     grid.figures.emplace_back(std::move(figure));
   }
   if (grid.figures.empty()) return section;
   section.blocks.emplace_back(Paragraph{
-      friction ? "Data: the measured torque less all of the final model that is not friction. A model whose friction "
-                 "also depends on load, history or time is a cloud, not a line."
-               : "Data: the torque of the effects by the final model, and its residual. Rests on top of one another if "
-                 "the model is right."});
+      "Data: the torque of these effects by the final model with its residual on top. Over position where the "
+      "torque is a function of it, else over the model's own torque: an effect that is there lies along the "
+      "model, one that is not is a cloud that does not rise."});
   section.blocks.emplace_back(std::move(grid));
   return section;
 }
@@ -397,8 +422,8 @@ std::string RenderLoopReport(const LoopResult& result) {
   };
   const std::vector<EffectCurve> curves = EffectCurves(result);
   for (size_t k = 0; k < result.steps.size(); ++k) add(Step(result, result.steps[k], k + 1));
-  add(Curves(result, curves, true));
-  add(Curves(result, curves, false));
+  add(FrictionCurves(result, curves));
+  add(OtherCurves(result, curves));
   add(AddedParameters(result));
   if (!result.steps.empty()) add(Moved(result));
   add(Left(result));

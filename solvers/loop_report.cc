@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 #include "core/base/text.h"
@@ -126,10 +127,25 @@ std::string ErrorTable(const LoopResult& result) {
   return AlignColumns(lines);
 }
 
+// Broken between words; lines after the first begin with `indent` blanks.
+std::string Wrapped(const std::string& text, size_t indent) {
+  constexpr size_t kWidth = 110;
+  std::string wrapped, word;
+  size_t column = indent;
+  std::istringstream words(text);
+  while (words >> word) {
+    const bool fits = wrapped.empty() || column + 1 + word.size() <= kWidth;
+    if (!wrapped.empty()) wrapped += fits ? " " : "\n" + std::string(indent, ' ');
+    column = (fits ? column + 1 : indent) + word.size();
+    wrapped += word;
+  }
+  return wrapped;
+}
+
 std::string StepText(const LoopResult& result, const LoopStep& step, size_t number) {
   std::string text = std::to_string(number) + ". " + EffectTitle(step.effect) + "\n";
   const auto line = [&](const std::string& key, const std::string& value) {
-    text += Format("   %-11s %s\n", key.c_str(), value.c_str());
+    text += Format("   %-11s %s\n", key.c_str(), Wrapped(value, 15).c_str());
   };
   line("what", step.effect.effect->physics());
   line("how sure", EvidenceSentence(result, step));
@@ -212,7 +228,7 @@ std::string LoopToText(const LoopResult& result) {
     text += "What is left depends on no position, velocity, acceleration, torque or time that was tried.\n";
   } else {
     text += "What is left:\n";
-    for (const Unexplained& u : result.unexplained) text += "  " + UnexplainedSentence(u) + "\n";
+    for (const Unexplained& u : result.unexplained) text += "  " + Wrapped(UnexplainedSentence(u), 2) + "\n";
   }
   if (result.steps.empty()) return text;
   const std::vector<Movement> movements = Movements(result);

@@ -24,17 +24,22 @@ std::string LoopToText(const LoopResult& result);
 
 // Decimated samples of all recordings, one after the other; samples at which the joint rests count too.
 struct EffectCurve {
-  int joint = 0;             // zero-based
-  bool is_friction = false;  // else the torque of the effects alone
+  enum class Over {
+    kVelocity,  // of friction: its whole torque over dq [rad/s or m/s]
+    kPosition,  // of the effects alone, functions of position, over q [rad or m]
+    kModel      // of the effects alone over their torque by the model [N m or N]
+  };
+  int joint = 0;  // zero-based
+  Over over = Over::kVelocity;
   std::string effects;       // ids, comma-separated
-  Eigen::VectorXd abscissa;  // N: dq [rad/s or m/s] of friction, else q [rad or m]
+  Eigen::VectorXd abscissa;  // N
   Eigen::VectorXd data;      // N [N m or N]
   Eigen::VectorXd model;     // N
   Eigen::VectorXd declared;  // N: the friction of the declared model; empty where it is not friction
 };
 
-// A curve a joint on which an effect of friction acts, and one a joint on which effects of one or two joints act that
-// are not friction.
+// Friction of each joint on which an effect of friction acts, then the torque of other effects on each joint where such
+// act; effects of the whole arm have none.
 std::vector<EffectCurve> EffectCurves(const LoopResult& result);
 
 // The page; without numbers where the declared model could not be fitted.

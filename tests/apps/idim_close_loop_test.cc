@@ -17,7 +17,6 @@ namespace {
 using ::testing::ElementsAre;
 using testing::FilesIn;
 using ::testing::HasSubstr;
-using ::testing::Not;
 using Json = nlohmann::json;
 
 class IdimCloseLoop : public ::testing::Test {
@@ -170,7 +169,7 @@ TEST_F(IdimCloseLoop, NothingToTrust) {
     EXPECT_EQ(json.at("status"), "untrusted") << file;
     EXPECT_THAT(json.at("message").get<std::string>(), HasSubstr("not identifiable")) << file;
   }
-  EXPECT_THAT(testing::ReadText(study.folder / "out/report.html"), HasSubstr("Not to be trusted"));
+  EXPECT_NE(testing::ReadText(study.folder / "out/report.html").find("Not to be trusted"), std::string::npos);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "solvers/active_effects.h"
-#include "solvers/identification.h"
 #include "tests/solvers/simulated_study.h"
 
 namespace idim {
@@ -22,7 +21,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::json;
 
-constexpr double kFp = 1.5, kExponent = 0.4;  // added to the data
+constexpr double kFp = 4.0, kExponent = 0.4;  // added to the data
 constexpr int kJoint = 1;                     // zero-based
 
 EffectCandidate Candidate(const std::string& id, const std::vector<int>& joints, const VectorXd& shape, double gain) {
@@ -44,13 +43,6 @@ LoopErrors Errors(double identification, double validation) {
   errors.identification_per_joint = VectorXd::Constant(3, identification);
   errors.validation_per_joint = VectorXd::Constant(3, validation);
   return errors;
-}
-
-Identification Fit(const PreparedStudy& prepared) {
-  Result<Identification> fit = IdentifyLinear(prepared, LinearOptions());
-  EXPECT_TRUE(fit.ok()) << fit.status().message();
-  EXPECT_TRUE(fit->estimate.status.ok()) << fit->estimate.status.message();
-  return std::move(fit).value();
 }
 
 class LoopReport : public ::testing::Test {
@@ -75,21 +67,15 @@ class LoopReport : public ::testing::Test {
     LoopResult& result = *result_;
     result.status = Status::Ok();
     result.held_out_by_blocks = false;
-    result.before = Fit(*prepared);
-
-    VectorXd chi = VectorXd::Zero(prepared->num_columns());
-    const ArmParameters arm{prepared->study.gains, chi, {InertialVector::Zero()}};
-    const ActiveEffect active{
-        FindEffect("power_viscous"), {kJoint}, VectorXd::Constant(1, kExponent), VectorXd::Constant(1, 1.0)};
-    SetEffects({active}, MotionsOf(*prepared, arm), &result.prepared);
-    result.after = Fit(result.prepared);
-    // As a refit leaves it: the shape in place of its last step.
-    for (ParameterEstimate& p : result.after.estimate.parameters) {
-      if (p.parameter.name == "power_viscous_a_2") {
-        p.value = kExponent;
-        p.standard_deviation = 0.01;
-      }
-    }
+    const Result<EffectFit> declared = FitDeclared(*prepared);
+    ASSERT_TRUE(declared.ok()) << declared.status().message();
+    result.before = IdentificationOf(*declared);
+    const Result<EffectFit> fit =
+        Refit(*declared, {{FindEffect("power_viscous"), {kJoint}, VectorXd::Constant(1, 0.6)}});
+    ASSERT_TRUE(fit.ok()) << fit.status().message();
+    result.after = IdentificationOf(*fit);
+    result.prepared = fit->prepared;
+    const ActiveEffect active = fit->prepared.effects[0];
     result.after.estimate.seconds = 3.5;
 
     LoopStep step;
@@ -151,7 +137,11 @@ TEST_F(LoopReport, JsonIsTheContract) {
   EXPECT_NEAR(fp.at("value").get<double>(), kFp, 6.0 * fp.at("standard_deviation").get<double>());
   EXPECT_GT(fp.at("standard_deviation").get<double>(), 0.0);
   EXPECT_EQ(step.at("parameters").at(1).at("name"), "power_viscous_a_2");
-  EXPECT_EQ(step.at("parameters").at(1).at("value"), kExponent);
+  const Json& a = step.at("parameters").at(1);
+  EXPECT_NEAR(a.at("value").get<double>(), kExponent, 6.0 * a.at("standard_deviation").get<double>());
+  EXPECT_NEAR(a.at("value").get<double>(), step.at("shape").at(0).at("value").get<double>(),
+              0.1 * a.at("standard_deviation").get<double>())
+      << "a shape, not its last step";
   ASSERT_EQ(step.at("confusable_with").size(), 1u);
   const Json& rival = step.at("confusable_with").at(0);
   EXPECT_EQ(rival.at("effect"), "motor_coupling");
@@ -182,7 +172,7 @@ TEST_F(LoopReport, JsonOfALoopThatFailed) {
   EXPECT_TRUE(json.at("steps").empty());
   EXPECT_TRUE(json.at("declared").at("identification_error_percent").is_null()) << "not -1 for what was not computed";
   EXPECT_THAT(LoopToText(failed), HasSubstr("NOT TO BE TRUSTED: no rank"));
-  EXPECT_THAT(RenderLoopReport(failed), HasSubstr("Not to be trusted: no rank"));
+  EXPECT_NE(RenderLoopReport(failed).find("Not to be trusted: no rank"), std::string::npos);
 }
 
 // The final estimate may be untrusted where the loop itself went well.
@@ -197,9 +187,9 @@ TEST_F(LoopReport, StatusIsThatOfTheFinalEstimateToo) {
 TEST_F(LoopReport, TextSaysWhatWhereHowSureAndWhatToDo) {
   const std::string text = LoopToText(*result_);
   for (const char* part :
-       {"1. power_viscous on joint 2\n", FindEffect("power_viscous")->how_to_confirm().c_str(), "p = 1.0e-30",
+       {"1. power_viscous on joint 2\n", "Drive the joint at five or more constant speeds", "p = 1.0e-30",
         "falls by 31.0 +- 2.0 %", "identification 9.10 -> 7.40 %, validation recordings 9.70 -> 7.60 %",
-        "Fp2 = ", "motor_coupling on joints 1 and 3 (7.70 %)", "joint_spring on joint 1 was found and is not needed",
+        "Fp2 = ", "motor_coupling on joints 1 and 3 (7.70 %", "joint_spring on joint 1 was found and is not needed",
         "joint 3 still depends on q2 and dq3: 22 % of its square, p = 5.0e-03"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
@@ -223,24 +213,25 @@ TEST_F(LoopReport, NothingFound) {
   EXPECT_THAT(text, Not(HasSubstr("interval")));
   EXPECT_TRUE(Json::parse(LoopToJson(nothing)).at("steps").empty());
   EXPECT_TRUE(EffectCurves(nothing).empty());
-  EXPECT_THAT(RenderLoopReport(nothing), Not(HasSubstr("Friction curves")));
+  EXPECT_EQ(RenderLoopReport(nothing).find("Friction curves"), std::string::npos);
 }
 
 // The friction that the report draws against the law that made the data, 1.5 dq + 2 sign(dq) - 0.2 + Fp |dq|^a. Noise
-// of the signal 0.05 x 11 N m, 400 samples a recording, of which decimation leaves less than half: the mean of the
-// squared error is that of the noise, and a friction wrong by 0.1 N m in the mean is ten standard errors.
+// of the signal 0.05 x 11 N m, halved by decimation, over more than 100 samples a side: the mean of the data is right
+// to 0.03 N m, which 0.13 leaves five times over; a lost term of the friction, or one counted twice, is off by 0.2 or
+// more.
 TEST_F(LoopReport, FrictionCurveIsTheLawBehindTheData) {
   const std::vector<EffectCurve> curves = EffectCurves(*result_);
   ASSERT_EQ(curves.size(), 1u);
   const EffectCurve& curve = curves[0];
   EXPECT_EQ(curve.joint, kJoint);
-  EXPECT_TRUE(curve.is_friction);
+  EXPECT_EQ(curve.over, EffectCurve::Over::kVelocity);
   EXPECT_EQ(curve.effects, "power_viscous");
   ASSERT_EQ(curve.data.size(), curve.abscissa.size());
   double sum[2] = {0.0, 0.0}, count[2] = {0.0, 0.0}, worst_model = 0.0, worst_declared = 0.0;
   for (Index k = 0; k < curve.abscissa.size(); ++k) {
     const double dq = curve.abscissa[k];
-    if (std::abs(dq) < 0.5) continue;  // reversals, which decimation smears
+    if (std::abs(dq) < 1.0) continue;  // what a reversal at 25 rad/s^2 smears over a decimated sample of 25 ms
     const double law = 1.5 * dq + std::copysign(2.0 + kFp * std::pow(std::abs(dq), kExponent), dq) - 0.2;
     const int side = dq > 0.0;
     sum[side] += curve.data[k] - law;
@@ -248,10 +239,11 @@ TEST_F(LoopReport, FrictionCurveIsTheLawBehindTheData) {
     worst_model = std::max(worst_model, std::abs(curve.model[k] - law));
     worst_declared = std::max(worst_declared, std::abs(curve.declared[k] - law));
   }
+  RecordProperty("worst_model", std::to_string(worst_model));
   ASSERT_GT(count[0], 100);
   ASSERT_GT(count[1], 100);
-  EXPECT_NEAR(sum[0] / count[0], 0.0, 0.1);
-  EXPECT_NEAR(sum[1] / count[1], 0.0, 0.1);
+  EXPECT_NEAR(sum[0] / count[0], 0.0, 0.13);
+  EXPECT_NEAR(sum[1] / count[1], 0.0, 0.13);
   EXPECT_LT(worst_model, 0.25);
   EXPECT_GT(worst_declared, worst_model) << "a line in place of the curve";
 }
@@ -267,10 +259,12 @@ TEST_F(LoopReport, DataLessModelIsTheResidual) {
   SetEffects(effects, MotionsOf(two.prepared, arm), &two.prepared);
   const std::vector<EffectCurve> curves = EffectCurves(two);
   ASSERT_EQ(curves.size(), 3u);  // friction of joint 2; coupling of joint 1; spring and coupling of joint 2
-  EXPECT_TRUE(curves[0].is_friction);
+  EXPECT_EQ(curves[0].over, EffectCurve::Over::kVelocity);
   EXPECT_EQ(curves[0].effects, "power_viscous");
   EXPECT_EQ(curves[1].joint, 0);
   EXPECT_EQ(curves[1].effects, "motor_coupling");
+  EXPECT_EQ(curves[1].over, EffectCurve::Over::kModel);
+  EXPECT_TRUE(curves[1].abscissa == curves[1].model);
   EXPECT_EQ(curves[2].effects, "joint_spring, motor_coupling");
   EXPECT_EQ(curves[2].declared.size(), 0);
   for (const EffectCurve& curve : curves) {
@@ -287,13 +281,13 @@ TEST_F(LoopReport, DataLessModelIsTheResidual) {
 TEST_F(LoopReport, PageHasEveryPart) {
   const std::string html = RenderLoopReport(*result_);
   for (const char* part :
-       {"What was found", "1. Power viscous on joint 2", "to confirm at the robot", "Friction curves",
+       {"What was found", "1. Power viscous on joint 2", "To confirm at the robot", "Friction curves",
         "Added parameters", "What moved when the effects were added", "What is left", "Residual over velocity",
         "Residual over position", "Residual over time in free (identification)",
         "Residual over time in check (validation)", "stribeck on joint 2", "base tilt"}) {
-    EXPECT_THAT(html, HasSubstr(part));
+    EXPECT_NE(html.find(part), std::string::npos) << part;
   }
-  EXPECT_EQ(html, RenderLoopReport(*result_));
+  EXPECT_TRUE(html == RenderLoopReport(*result_));
 }
 
 }  // namespace

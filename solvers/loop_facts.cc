@@ -94,6 +94,15 @@ std::string UnexplainedSentence(const Unexplained& unexplained) {
       PValueText(unexplained.p_value).c_str());
 }
 
+std::string OfItsJoints(const LoopStep& step, const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
+  if (before.size() == 0 || after.size() == 0) return "";
+  std::vector<std::string> texts;
+  for (const int joint : step.effect.joints) {
+    texts.push_back(Format("joint %d: %.2f -> %.2f %%", joint + 1, before[joint], after[joint]));
+  }
+  return Join(texts, ", ");
+}
+
 std::string EvidenceSentence(const LoopResult& result, const LoopStep& step) {
   const EffectCandidate& c = step.candidate;
   const std::string where = step.effect.joints.size() == 1 ? Format("joint %d", step.effect.joints[0] + 1) : "the arm";
@@ -105,7 +114,7 @@ std::string EvidenceSentence(const LoopResult& result, const LoopStep& step) {
 }
 
 std::string RivalSentence(const LoopStep& step) {
-  if (step.confusable_with.empty()) return "none: no other candidate explains the same as well";
+  if (step.confusable_with.empty()) return "no other candidate explains the same as well";
   std::vector<std::string> names;
   for (const LoopRival& rival : step.confusable_with) {
     names.push_back(EffectTitle(rival.effect) +

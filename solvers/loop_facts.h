@@ -40,6 +40,10 @@ std::string PValueText(double p_value);
 // "The residual of joint 3 still depends on q2 and dq3: ...".
 std::string UnexplainedSentence(const Unexplained& unexplained);
 
+// "joint 1: 3.00 -> 2.00 %", of two joints with a comma between; "" for an effect of the whole arm and
+// where there are no errors a joint.
+std::string OfItsJoints(const LoopStep& step, const Eigen::VectorXd& before, const Eigen::VectorXd& after);
+
 // How sure: statistic, corrected p-value, the decrease of the held-out squares.
 std::string EvidenceSentence(const LoopResult& result, const LoopStep& step);
 

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -8,6 +6,7 @@
 #include "core/report/report.h"
 #include "solvers/active_effects.h"
 #include "solvers/loop_facts.h"
+#include "solvers/loop_figures.h"
 #include "solvers/loop_report.h"
 
 namespace idim {
@@ -17,17 +16,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr SeriesColor kBefore = SeriesColor::kOrange;
-constexpr SeriesColor kAfter = SeriesColor::kModel;
-
-std::string JointTitle(Index joint) { return "joint " + std::to_string(joint + 1); }
-
-// "power viscous on joint 4".
-std::string Words(const std::string& id) {
-  std::string words = id;
-  std::replace(words.begin(), words.end(), '_', ' ');
-  return words;
-}
 
 std::string Capital(std::string text) {
   if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
@@ -35,18 +23,16 @@ std::string Capital(std::string text) {
 }
 
 std::string OnPage(std::string text) {
-  for (size_t at = text.find("+-"); at != std::string::npos; at = text.find("+-", at)) text.replace(at, 2, "±");
+  for (const auto& [plain, sign] : {std::make_pair("+-", "±"), std::make_pair("->", "→")}) {
+    for (size_t at = text.find(plain); at != std::string::npos; at = text.find(plain, at)) text.replace(at, 2, sign);
+  }
   return text;
 }
 
 std::string PercentText(double value) { return value < 0.0 ? "" : Format("%.2f", value); }
 
-struct Units {
-  std::string torque, position;
-};
-Units UnitsOf(const LoopResult& result, Index joint) {
-  const bool prismatic = result.prepared.study.robot.joints[static_cast<size_t>(joint)].type == JointType::kPrismatic;
-  return prismatic ? Units{"N", "m"} : Units{"N m", "rad"};
+std::string Change(double before, double after) {
+  return PercentText(before) + " → " + PercentText(after) + (after < 0.0 ? "" : " %");
 }
 
 Table ErrorTable(const LoopResult& result) {
@@ -122,18 +108,21 @@ Section Summary(const LoopResult& result) {
   if (!grid.figures.empty()) section.blocks.emplace_back(std::move(grid));
   if (!result.steps.empty()) {
     Table table;
-    table.caption = "Effects in the order in which they were found; errors in %, of all joints";
-    table.columns = {{"", Table::Align::kRight},       {"effect"},
-                     {"p", Table::Align::kRight},      {"identification before", Table::Align::kNumber},
-                     {"after", Table::Align::kNumber}, {HeldOutName(result) + " before", Table::Align::kNumber},
-                     {"after", Table::Align::kNumber}, {"rivals"}};
+    table.caption = "Effects in the order in which they were found, and what each did to the relative error";
+    table.columns = {{"", Table::Align::kRight},          {"effect"},
+                     {"p", Table::Align::kRight},         {"identification", Table::Align::kRight},
+                     {"its joint", Table::Align::kRight}, {HeldOutName(result), Table::Align::kRight},
+                     {"its joint", Table::Align::kRight}, {"rivals"}};
     for (const LoopStep& step : result.steps) {
       std::vector<std::string> rivals;
       for (const LoopRival& rival : step.confusable_with) rivals.push_back(Words(EffectTitle(rival.effect)));
+      const LoopErrors &before = step.before, &after = step.after;
       table.rows.push_back({std::to_string(table.rows.size() + 1), Words(EffectTitle(step.effect)),
-                            PValueText(step.candidate.p_value), PercentText(step.before.identification),
-                            PercentText(step.after.identification), PercentText(step.before.validation),
-                            PercentText(step.after.validation), Join(rivals, "; ")});
+                            PValueText(step.candidate.p_value), Change(before.identification, after.identification),
+                            OnPage(OfItsJoints(step, before.identification_per_joint, after.identification_per_joint)),
+                            Change(before.validation, after.validation),
+                            OnPage(OfItsJoints(step, before.validation_per_joint, after.validation_per_joint)),
+                            Join(rivals, "; ")});
     }
     section.blocks.emplace_back(std::move(table));
   }
@@ -175,13 +164,11 @@ IntervalFigure Ranking(const LoopStep& step) {
 
 Section Step(const LoopResult& result, const LoopStep& step, size_t number) {
   Section section;
-  section.title = std::to_string(number) + ". " + Capital(Words(EffectTitle(step.effect)));
+  section.title = "Effect " + std::to_string(number) + ": " + Words(EffectTitle(step.effect));
   section.blocks.emplace_back(Paragraph{step.effect.effect->physics()});
   KeyValues errors;
-  errors.entries = {{"identification error",
-                     PercentText(step.before.identification) + " → " + PercentText(step.after.identification) + " %"},
-                    {"error on the " + HeldOutName(result),
-                     PercentText(step.before.validation) + " → " + PercentText(step.after.validation) + " %"}};
+  errors.entries = {{"identification error", Change(step.before.identification, step.after.identification)},
+                    {"error on the " + HeldOutName(result), Change(step.before.validation, step.after.validation)}};
   section.blocks.emplace_back(std::move(errors));
   section.blocks.emplace_back(Paragraph{"How sure: " + OnPage(EvidenceSentence(result, step)) + "."});
   section.blocks.emplace_back(Paragraph{"Rivals: " + RivalSentence(step) + "."});
@@ -298,117 +285,6 @@ Section Left(const LoopResult& result) {
   return section;
 }
 
-Section FrictionCurves(const LoopResult& result, const std::vector<EffectCurve>& curves) {
-  Section section;
-  section.title = "Friction curves";
-  FigureGrid grid;
-  for (const EffectCurve& curve : curves) {
-    if (curve.over != EffectCurve::Over::kVelocity) continue;
-    const Units units = UnitsOf(result, curve.joint);
-    ScatterFigure figure;
-    figure.title = JointTitle(curve.joint) + ": " + Words(curve.effects);
-    figure.x_title = "velocity [" + units.position + "/s]";
-    figure.y_title = "friction [" + units.torque + "]";
-    figure.sets = {{"data", curve.abscissa, curve.data, SeriesColor::kResidual},
-                   {"declared model", curve.abscissa, curve.declared, kBefore},
-                   {"final model", curve.abscissa, curve.model, kAfter}};
-    grid.figures.emplace_back(std::move(figure));
-  }
-  if (grid.figures.empty()) return section;
-  section.blocks.emplace_back(
-      Paragraph{"Data: the measured torque less all of the final model that is not friction. Friction that depends on "
-                "load, history or time as well is a cloud, not a line."});
-  section.blocks.emplace_back(std::move(grid));
-  return section;
-}
-
-Section OtherCurves(const LoopResult& result, const std::vector<EffectCurve>& curves) {
-  Section section;
-  section.title = "Torque of the other effects";
-  FigureGrid grid;
-  for (const EffectCurve& curve : curves) {
-    if (curve.over == EffectCurve::Over::kVelocity) continue;
-    const Units units = UnitsOf(result, curve.joint);
-    const bool over_position = curve.over == EffectCurve::Over::kPosition;
-    ScatterFigure figure;
-    figure.title = JointTitle(curve.joint) + ": " + Words(curve.effects);
-    figure.x_title =
-        over_position ? "position [" + units.position + "]" : "torque by the final model [" + units.torque + "]";
-    figure.y_title = "torque [" + units.torque + "]";
-    figure.sets = {{"data", curve.abscissa, curve.data, SeriesColor::kResidual},
-                   {"final model", curve.abscissa, curve.model, kAfter}};
-    grid.figures.emplace_back(std::move(figure));
-  }
-  if (grid.figures.empty()) return section;
-  section.blocks.emplace_back(Paragraph{
-      "Data: the torque of these effects by the final model with its residual on top. Over position where the "
-      "torque is a function of it, else over the model's own torque: an effect that is there lies along the "
-      "model, one that is not is a cloud that does not rise."});
-  section.blocks.emplace_back(std::move(grid));
-  return section;
-}
-
-VectorXd Residual(const RecordingSeries& series, Index joint) {
-  return series.decimated_torque.col(joint) - series.decimated_model.col(joint);
-}
-
-// Of all recordings, one after the other.
-template <typename Column>
-VectorXd Joined(const std::vector<RecordingSeries>& series, Column&& column) {
-  Index count = 0;
-  for (const RecordingSeries& s : series) count += s.decimated_t.size();
-  VectorXd all(count);
-  Index at = 0;
-  for (const RecordingSeries& s : series) {
-    all.segment(at, s.decimated_t.size()) = column(s);
-    at += s.decimated_t.size();
-  }
-  return all;
-}
-
-Section Residuals(const LoopResult& result, bool over_velocity) {
-  Section section;
-  section.title = over_velocity ? "Residual over velocity" : "Residual over position";
-  FigureGrid grid;
-  const auto& before = result.before.series;
-  const auto& after = result.after.series;
-  for (Index j = 0; j < result.prepared.study.robot.dof(); ++j) {
-    const Units units = UnitsOf(result, j);
-    ScatterFigure figure;
-    figure.title = JointTitle(j);
-    figure.x_title = over_velocity ? "velocity [" + units.position + "/s]" : "position [" + units.position + "]";
-    figure.y_title = "residual [" + units.torque + "]";
-    const auto x = [&](const RecordingSeries& s) {
-      return VectorXd(over_velocity ? s.decimated_dq.col(j) : s.decimated_q.col(j));
-    };
-    const auto y = [&](const RecordingSeries& s) { return Residual(s, j); };
-    figure.sets = {{"declared model", Joined(before, x), Joined(before, y), kBefore},
-                   {"final model", Joined(after, x), Joined(after, y), kAfter}};
-    grid.figures.emplace_back(std::move(figure));
-  }
-  section.blocks.emplace_back(std::move(grid));
-  return section;
-}
-
-Section ResidualsOverTime(const LoopResult& result, size_t recording) {
-  const RecordingSeries& before = result.before.series[recording];
-  const RecordingSeries& after = result.after.series[recording];
-  Section section;
-  section.title = "Residual over time in " + after.name + " (" + after.use + ")";
-  FigureGrid grid;
-  for (Index j = 0; j < result.prepared.study.robot.dof(); ++j) {
-    TimeFigure figure;
-    figure.title = JointTitle(j);
-    figure.y_title = "residual [" + UnitsOf(result, j).torque + "]";
-    figure.t = after.decimated_t;
-    figure.traces = {{"declared model", Residual(before, j), kBefore}, {"final model", Residual(after, j), kAfter}};
-    figure.link = "residual " + after.name;
-    grid.figures.emplace_back(std::move(figure));
-  }
-  section.blocks.emplace_back(std::move(grid));
-  return section;
-}
-
 }  // namespace
 
 std::string RenderLoopReport(const LoopResult& result) {
@@ -420,16 +296,13 @@ std::string RenderLoopReport(const LoopResult& result) {
   const auto add = [&](Section section) {
     if (!section.blocks.empty()) report.sections.push_back(std::move(section));
   };
-  const std::vector<EffectCurve> curves = EffectCurves(result);
   for (size_t k = 0; k < result.steps.size(); ++k) add(Step(result, result.steps[k], k + 1));
-  add(FrictionCurves(result, curves));
-  add(OtherCurves(result, curves));
+  add(FrictionSection(result));
+  add(OtherEffectsSection(result));
   add(AddedParameters(result));
   if (!result.steps.empty()) add(Moved(result));
   add(Left(result));
-  add(Residuals(result, true));
-  add(Residuals(result, false));
-  for (size_t r = 0; r < result.after.series.size(); ++r) add(ResidualsOverTime(result, r));
+  for (Section& section : ResidualSections(result)) add(std::move(section));
   return RenderReport(report);
 }
 

@@ -149,9 +149,16 @@ std::string StepText(const LoopResult& result, const LoopStep& step, size_t numb
   };
   line("what", step.effect.effect->physics());
   line("how sure", EvidenceSentence(result, step));
-  line("error", Format("identification %s -> %s %%, %s %s -> %s %%", PercentText(step.before.identification).c_str(),
-                       PercentText(step.after.identification).c_str(), HeldOutName(result).c_str(),
-                       PercentText(step.before.validation).c_str(), PercentText(step.after.validation).c_str()));
+  const auto error = [&](const std::string& data, double before, double after, const VectorXd& joints_before,
+                         const VectorXd& joints_after) {
+    std::string value = data + Format(" %s -> %s %%", PercentText(before).c_str(), PercentText(after).c_str());
+    const std::string joints = OfItsJoints(step, joints_before, joints_after);
+    return joints.empty() ? value : value + " (" + joints + ")";
+  };
+  line("error", error("identification", step.before.identification, step.after.identification,
+                      step.before.identification_per_joint, step.after.identification_per_joint));
+  line("", error(HeldOutName(result), step.before.validation, step.after.validation, step.before.validation_per_joint,
+                 step.after.validation_per_joint));
   std::string key = "parameters";
   for (const ParameterEstimate& p : ParametersOf(result, step.effect)) {
     line(std::exchange(key, ""), p.parameter.name + " = " + ValueText(p));

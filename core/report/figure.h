@@ -56,6 +56,7 @@ struct ScatterFigure {
     Eigen::VectorXd x, y;  // N each
     SeriesColor color = SeriesColor::kModel;
     std::vector<std::string> labels = {};  // N or none: what a point is
+    double size_px = 0.0;                  // of a point; 0: by their number
   };
   // y = slope * x, dashed; slope > 0.
   struct Ray {

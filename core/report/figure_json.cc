@@ -138,6 +138,7 @@ class Converter {
                         {"color", ColorName(set.color)},
                         {"x", pool_.AddSingle(set.x)},
                         {"y", pool_.AddSingle(set.y)}});
+      if (set.size_px > 0.0) series.back()["size"] = set.size_px;
       if (set.labels.empty()) continue;
       CHECK_EQ(static_cast<Eigen::Index>(set.labels.size()), set.x.size()) << figure.title << ": " << set.name;
       series.back()["labels"] = set.labels;

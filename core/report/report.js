@@ -227,7 +227,7 @@ const options = {
       if (!s.labels && !spec.logarithmic) {
         return {
           type: 'scatter', name: s.name, data: interleave(x, y), large: true, largeThreshold: 2000,
-          progressive: 0, symbolSize: y.length > 2000 ? 2 : 5, itemStyle: {opacity: y.length > 2000 ? 0.45 : 0.8},
+          progressive: 0, symbolSize: s.size ?? (y.length > 2000 ? 2 : 5), itemStyle: {opacity: y.length > 2000 ? 0.45 : 0.8},
         };
       }
       const points = [];
@@ -235,7 +235,7 @@ const options = {
         if (drawable(x[i], y[i])) points.push({name: s.labels ? s.labels[i] : '', value: [x[i], y[i]]});
       }
       return {
-        type: 'scatter', name: s.name, data: points, symbolSize: spec.showLabels ? 8 : 5, itemStyle: {opacity: 0.8},
+        type: 'scatter', name: s.name, data: points, symbolSize: s.size ?? (spec.showLabels ? 8 : 5), itemStyle: {opacity: 0.8},
         label: {show: Boolean(spec.showLabels), formatter: '{b}', position: 'right', distance: 3, color: ink, fontSize: 10},
         labelLayout: {hideOverlap: true},
       };

@@ -188,8 +188,9 @@ TEST_F(LoopReport, TextSaysWhatWhereHowSureAndWhatToDo) {
   const std::string text = LoopToText(*result_);
   for (const char* part :
        {"1. power_viscous on joint 2\n", "Drive the joint at five or more constant speeds", "p = 1.0e-30",
-        "falls by 31.0 +- 2.0 %", "identification 9.10 -> 7.40 %, validation recordings 9.70 -> 7.60 %",
-        "Fp2 = ", "motor_coupling on joints 1 and 3 (7.70 %", "joint_spring on joint 1 was found and is not needed",
+        "falls by 31.0 +- 2.0 %", "identification 9.10 -> 7.40 % (joint 2: 9.10 -> 7.40 %)\n",
+        "validation recordings 9.70 -> 7.60 %", "Fp2 = ", "motor_coupling on joints 1 and 3 (7.70 %",
+        "joint_spring on joint 1 was found and is not needed",
         "joint 3 still depends on q2 and dq3: 22 % of its square, p = 5.0e-03"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
@@ -281,7 +282,7 @@ TEST_F(LoopReport, DataLessModelIsTheResidual) {
 TEST_F(LoopReport, PageHasEveryPart) {
   const std::string html = RenderLoopReport(*result_);
   for (const char* part :
-       {"What was found", "1. Power viscous on joint 2", "To confirm at the robot", "Friction curves",
+       {"What was found", "Effect 1: power viscous on joint 2", "To confirm at the robot", "Friction curves",
         "Added parameters", "What moved when the effects were added", "What is left", "Residual over velocity",
         "Residual over position", "Residual over time in free (identification)",
         "Residual over time in check (validation)", "stribeck on joint 2", "base tilt"}) {

@@ -12,7 +12,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 // Data are seen behind the model that runs through them [px].
-constexpr double kDataSize = 5.0, kModelSize = 2.5;
+constexpr double kDataSize = 4.0, kModelSize = 2.5;
 
 struct Units {
   std::string torque, position;

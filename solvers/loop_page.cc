@@ -241,6 +241,7 @@ Section Moved(const LoopResult& result) {
                                  movements.size() == 1 ? "it" : "them")});
   if (shown.empty()) return section;
   Table table;
+  table.caption = "The drive gains where they are identified, and what left its interval";
   table.columns = {{"parameter"},
                    {"declared model", Table::Align::kNumber},
                    {"σ", Table::Align::kNumber},

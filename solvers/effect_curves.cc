@@ -60,6 +60,14 @@ VectorXd EffectTorque(const LoopResult& result, const PreparedRecording& recordi
   return torque;
 }
 
+double DrivingShare(const VectorXd& velocity, const VectorXd& friction) {
+  const Eigen::ArrayXd speed = velocity.array().abs();
+  const auto moving = speed > 0.1 * speed.maxCoeff();
+  const auto count = static_cast<double>(moving.count());
+  if (count == 0.0) return 0.0;
+  return static_cast<double>((moving && velocity.array() * friction.array() < 0.0).count()) / count;
+}
+
 EffectCurve Curve(const LoopResult& result, int joint, bool friction) {
   EffectCurve curve;
   curve.joint = joint;
@@ -104,10 +112,26 @@ EffectCurve Curve(const LoopResult& result, int joint, bool friction) {
   };
   curve.abscissa = joined(abscissa), curve.data = joined(data);
   curve.model = joined(model), curve.declared = joined(declared);
+  if (friction) {
+    const double offset = ValueOf(result.after.estimate, "off" + std::to_string(joint + 1));
+    curve.driving_share = DrivingShare(curve.abscissa, curve.model.array() - offset);
+  }
   return curve;
 }
 
 }  // namespace
+
+std::vector<std::string> Warnings(const LoopResult& result) {
+  std::vector<std::string> warnings;
+  for (const EffectCurve& curve : EffectCurves(result)) {
+    if (curve.driving_share <= 0.01) continue;
+    warnings.push_back(
+        Format("The friction of joint %d by the final model (%s) drives the joint at %.0f %% of the samples in motion, "
+               "which no friction does: these effects stand in for something else, or for each other.",
+               curve.joint + 1, curve.effects.c_str(), 100.0 * curve.driving_share));
+  }
+  return warnings;
+}
 
 std::vector<EffectCurve> EffectCurves(const LoopResult& result) {
   std::vector<EffectCurve> curves;

@@ -47,6 +47,9 @@ std::string OfItsJoints(const LoopStep& step, const Eigen::VectorXd& before, con
 // How sure: statistic, corrected p-value, the decrease of the held-out squares.
 std::string EvidenceSentence(const LoopResult& result, const LoopStep& step);
 
+// What cannot be as the final model has it, a sentence each.
+std::vector<std::string> Warnings(const LoopResult& result);
+
 // Rivals, or that there is none.
 std::string RivalSentence(const LoopStep& step);
 

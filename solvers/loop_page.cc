@@ -89,6 +89,9 @@ Section Summary(const LoopResult& result) {
   }
   if (result.before.estimate.parameters.empty()) return section;
   section.blocks.emplace_back(Paragraph{Verdict(result)});
+  for (const std::string& warning : Warnings(result)) {
+    section.blocks.emplace_back(Paragraph{warning, Paragraph::Kind::kWarning});
+  }
   section.blocks.emplace_back(ErrorTable(result));
   section.blocks.emplace_back(Paragraph{
       result.held_out_by_blocks

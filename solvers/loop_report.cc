@@ -196,6 +196,7 @@ std::string LoopToJson(const LoopResult& result) {
   json["steps"] = Json::array();
   for (const LoopStep& step : result.steps) json["steps"].push_back(StepJson(result, step));
   json["dropped"] = result.dropped;
+  json["warnings"] = Warnings(result);
   json["final"] = ModelJson(result.final);
   json["unexplained"] = Json::array();
   for (const Unexplained& u : result.unexplained) {
@@ -231,6 +232,7 @@ std::string LoopToText(const LoopResult& result) {
   for (size_t k = 0; k < result.steps.size(); ++k) text += StepText(result, result.steps[k], k + 1) + "\n";
   for (const std::string& sentence : result.dropped) text += sentence + "\n";
   if (!result.dropped.empty()) text += "\n";
+  for (const std::string& warning : Warnings(result)) text += "WARNING: " + Wrapped(warning, 9) + "\n\n";
   if (result.unexplained.empty()) {
     text += "What is left depends on no position, velocity, acceleration, torque or time that was tried.\n";
   } else {

@@ -36,6 +36,9 @@ struct EffectCurve {
   Eigen::VectorXd data;      // N [N m or N]
   Eigen::VectorXd model;     // N
   Eigen::VectorXd declared;  // N: the friction of the declared model; empty where it is not friction
+  // Of friction: of the samples faster than a tenth of the top speed, the share at which the model's friction without
+  // its offset drives the joint. No friction does.
+  double driving_share = 0.0;
 };
 
 // Friction of each joint on which an effect of friction acts, then the torque of other effects on each joint where such

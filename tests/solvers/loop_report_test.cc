@@ -247,6 +247,24 @@ TEST_F(LoopReport, FrictionCurveIsTheLawBehindTheData) {
   EXPECT_NEAR(sum[1] / count[1], 0.0, 0.13);
   EXPECT_LT(worst_model, 0.25);
   EXPECT_GT(worst_declared, worst_model) << "a line in place of the curve";
+  EXPECT_EQ(curve.driving_share, 0.0);
+}
+
+// Friction that falls below zero with speed is a fit, not friction: with Fp = -50 and an exponent below one the torque
+// 1.5 dq + 2 - 50 |dq|^a drives the joint at every speed of these data.
+TEST_F(LoopReport, WarnsOfFrictionThatDrives) {
+  EXPECT_TRUE(Json::parse(LoopToJson(*result_)).at("warnings").empty());
+  EXPECT_THAT(LoopToText(*result_), Not(HasSubstr("WARNING")));
+  LoopResult driving = *result_;
+  for (ParameterEstimate& p : driving.after.estimate.parameters) {
+    if (p.parameter.name == "Fp2") p.value = -50.0;
+    if (p.parameter.name == "off2") p.value = 1e4;  // an offset is no friction of motion
+  }
+  EXPECT_EQ(EffectCurves(driving).at(0).driving_share, 1.0);
+  EXPECT_THAT(Json::parse(LoopToJson(driving)).at("warnings").at(0).get<std::string>(),
+              HasSubstr("friction of joint 2"));
+  EXPECT_THAT(LoopToText(driving), HasSubstr("WARNING: The friction of joint 2"));
+  EXPECT_NE(RenderLoopReport(driving).find("drives the joint at 100 %"), std::string::npos);
 }
 
 // Data and model differ by the final residual, whatever the effect and however many there are on the joint.

@@ -24,37 +24,27 @@ constexpr int kSweeps = 2;
 struct Judged {
   EffectFit fit;
   ResidualModel residual;
-  MatrixXd held_out;  // samples x n [N m or N]
+  ResidualModel::HeldOut held_out;
 
   explicit Judged(EffectFit fit_in)
       : fit(std::move(fit_in)),
         residual(fit.prepared, fit.data, fit.summary),
-        held_out(residual.CrossValidate(MatrixXd(residual.residual().size(), 0)).residual) {}
+        held_out(residual.CrossValidate(MatrixXd(residual.residual().size(), 0))) {}
 };
 
 VectorXd PerJoint(const MatrixXd& residual, const MatrixXd& torque) {
   return 100.0 * residual.colwise().norm().cwiseQuotient(torque.colwise().norm()).transpose();
 }
 
-// Sum of squared held-out residuals relative to the joint's torque, of the joints of an effect (all: none named).
-double HeldOutSquares(const Judged& model, const std::vector<int>& joints) {
-  double sum = 0.0;
-  for (int j = 0; j < model.residual.dof(); ++j) {
-    if (!joints.empty() && std::find(joints.begin(), joints.end(), j) == joints.end()) continue;
-    sum += model.held_out.col(j).squaredNorm() / model.residual.torque().col(j).squaredNorm();
-  }
-  return sum;
-}
-
-// The same a fold.
-VectorXd HeldOutByFold(const Judged& model, const std::vector<int>& joints) {
-  VectorXd sum = VectorXd::Zero(model.residual.num_folds());
-  for (int j = 0; j < model.residual.dof(); ++j) {
-    if (!joints.empty() && std::find(joints.begin(), joints.end(), j) == joints.end()) continue;
-    const double torque = model.residual.torque().col(j).squaredNorm();
-    for (Index k = 0; k < model.held_out.rows(); ++k) {
-      sum[model.residual.folds()[static_cast<size_t>(k)]] += std::pow(model.held_out(k, j), 2) / torque;
-    }
+// Squared held-out residuals of a model in each fold, of the joints of an effect (all: none named), by the weights of
+// `measure`.
+VectorXd HeldOutByFold(const ResidualModel& measure, const Judged& model, const std::vector<int>& joints) {
+  const MatrixXd squares = measure.WeightedSquares(model.held_out.signal);
+  VectorXd sum = VectorXd::Zero(measure.num_folds());
+  for (Index k = 0; k < squares.rows(); ++k) {
+    double& fold = sum[measure.folds()[static_cast<size_t>(k)]];
+    for (const int j : joints) fold += squares(k, j);
+    if (joints.empty()) fold += squares.row(k).sum();
   }
   return sum;
 }
@@ -76,8 +66,8 @@ LoopErrors ErrorsOf(const Judged& model, bool by_blocks) {
   errors.identification = 100.0 * residual.norm() / torque.norm();
   errors.identification_per_joint = PerJoint(residual, torque);
   if (by_blocks) {
-    errors.validation = 100.0 * model.held_out.norm() / torque.norm();
-    errors.validation_per_joint = PerJoint(model.held_out, torque);
+    errors.validation = 100.0 * model.held_out.residual.norm() / torque.norm();
+    errors.validation_per_joint = PerJoint(model.held_out.residual, torque);
     return errors;
   }
   const ArmParameters arm = model.fit.Arm();
@@ -220,9 +210,10 @@ class Loop {
 
   // The held-out error of `with` is below that of `without` by the margin and by more than the folds' uncertainty.
   bool IsBetter(const Judged& without, const Judged& with, const std::vector<int>& joints) const {
-    const VectorXd gain = HeldOutByFold(without, joints) - HeldOutByFold(with, joints);
+    const VectorXd squares = HeldOutByFold(without.residual, without, joints);
+    const VectorXd gain = squares - HeldOutByFold(without.residual, with, joints);
     const double needed = 1.0 - std::pow(1.0 - options_.margin, 2);
-    return gain.sum() > needed * HeldOutSquares(without, joints) &&
+    return gain.sum() > needed * squares.sum() &&
            (gain.sum() > kSame * StandardErrorOfSum(gain) || IsInMostFolds(gain));
   }
 
@@ -271,7 +262,8 @@ class Loop {
       Result<EffectFit> fit = Refit(without.fit, effects);
       if (!fit.ok()) continue;
       Judged next(std::move(fit).value());
-      const VectorXd gain = HeldOutByFold(model_, effect.joints) - HeldOutByFold(next, effect.joints);
+      const VectorXd gain =
+          HeldOutByFold(without.residual, model_, effect.joints) - HeldOutByFold(without.residual, next, effect.joints);
       if (gain.sum() <= kSure * StandardErrorOfSum(gain) || gain.sum() <= 0.0) break;  // the best of them is no better
       result->dropped.push_back(EffectTitle(effect) + " is replaced by " + EffectTitle(candidate.effect) +
                                 ", which explains more beside what was found later");

@@ -34,6 +34,7 @@ ResidualModel::ResidualModel(const PreparedStudy& prepared, const BundleData& da
   of_torque_ = std::move(rows.of_torque);
   torque_.resize(samples(), dof_);
   const VectorXd gains = data.Gains(summary.values);
+  drive_ = gains.cwiseInverse().asDiagonal() * data.inverse_drive;
   for (Index k = 0; k < samples(); ++k) {
     to_torque_.push_back(of_torque_[static_cast<size_t>(k)].inverse());
     torque_.row(k) = data.inverse_drive.inverse() * gains.cwiseProduct(data.samples[static_cast<size_t>(k)].signal);
@@ -52,6 +53,16 @@ MatrixXd ResidualModel::TorqueResidual() const {
     result.row(k) = to_torque_[static_cast<size_t>(k)] * residual_.segment(k * dof_, dof_);
   }
   return result;
+}
+
+MatrixXd ResidualModel::WeightedSquares(const MatrixXd& signal_residual) const {
+  const MatrixXd to_torque = drive_.inverse();
+  MatrixXd squares(samples(), dof_);
+  for (Index k = 0; k < samples(); ++k) {
+    squares.row(k) =
+        (of_torque_[static_cast<size_t>(k)] * (to_torque * signal_residual.row(k).transpose())).cwiseAbs2().transpose();
+  }
+  return squares;
 }
 
 MatrixXd ResidualModel::Whiten(const std::vector<int>& joints, const std::vector<MatrixXd>& torques) const {
@@ -148,6 +159,7 @@ ResidualModel::HeldOut ResidualModel::CrossValidate(const MatrixXd& remainder) c
       result.residual.row(k) = to_torque_[static_cast<size_t>(k)] * rest;
     }
   }
+  result.signal = result.residual * drive_.transpose();
   return result;
 }
 

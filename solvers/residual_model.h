@@ -38,6 +38,9 @@ class ResidualModel {
   // samples x n [N m or N]: the residual and the measured torque at the estimated gains.
   Eigen::MatrixXd TorqueResidual() const;
   const Eigen::MatrixXd& torque() const { return torque_; }
+  // samples x n: squares of a residual in units of the signal, by this model's weights: a sample at rest, whose
+  // friction nothing tells, counts little. To compare other models by one measure.
+  Eigen::MatrixXd WeightedSquares(const Eigen::MatrixXd& signal_residual) const;
   const SampleRanges& recordings() const { return recordings_; }
   // The fold of each sample, below num_folds().
   const std::vector<int>& folds() const { return fold_; }
@@ -65,6 +68,7 @@ class ResidualModel {
   struct HeldOut {
     Eigen::MatrixXd squares;   // folds x n, of whitened residuals on rows not fitted
     Eigen::MatrixXd residual;  // samples x n [N m or N], each from the fit that did not see it
+    Eigen::MatrixXd signal;    // the same in units of the signal
   };
   // With extra columns (samples n x p, of Remainder(); p may be 0).
   HeldOut CrossValidate(const Eigen::MatrixXd& remainder) const;
@@ -76,6 +80,7 @@ class ResidualModel {
   int folds_;
   Eigen::MatrixXd q_;  // samples n x c, orthonormal: the space of J
   Eigen::VectorXd residual_;
+  Eigen::MatrixXd drive_;                   // n x n: signal of a torque
   std::vector<Eigen::MatrixXd> of_torque_;  // BundleProblem::Rows
   std::vector<Eigen::MatrixXd> to_torque_;  // inverse
   Eigen::MatrixXd torque_;

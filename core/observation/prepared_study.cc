@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -50,6 +51,34 @@ Status CheckMotion(const PreparedStudy& prepared) {
                              "recording in which it moves");
   }
   return Status::Ok();
+}
+
+// Zero-velocity update: in a spell of rest, where for a while velocity is within 4 standard deviations of zero and
+// position within 8 of one place, the estimate of the velocity is zero. The sign of the noise says nothing of friction,
+// but as a function of the measured velocity it would pass for one.
+void SetRest(const Preprocessing& preprocessing, const Eigen::VectorXd& position_sigma,
+             const Eigen::VectorXd& velocity_sigma, JointStates* states) {
+  const double shortest = std::max(0.1, 2.0 / preprocessing.cutoff_hz);  // [s]
+  const Eigen::Index count = states->t.size();
+  for (Eigen::Index j = 0; j < states->dq.cols(); ++j) {
+    const double slow = 4.0 * velocity_sigma[j], near = 8.0 * position_sigma[j];
+    for (Eigen::Index begin = 0; begin < count;) {
+      double lowest = states->q(begin, j), highest = lowest;
+      Eigen::Index end = begin;
+      while (end < count && std::abs(states->dq(end, j)) < slow) {
+        lowest = std::min(lowest, states->q(end, j));
+        highest = std::max(highest, states->q(end, j));
+        if (highest - lowest > near) break;
+        ++end;
+      }
+      if (end > begin && states->t[end - 1] - states->t[begin] >= shortest) {
+        states->dq.col(j).segment(begin, end - begin).setZero();
+        begin = end;
+      } else {
+        ++begin;
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -109,6 +138,9 @@ Result<PreparedStudy> PrepareStudy(const Study& study, std::vector<Recording> re
   if (!covariance.ok()) return At(first.entry.q_file, covariance.status());
   prepared.velocity_sigma = prepared.position_noise * std::sqrt(covariance->full_rate()(1, 1));
   prepared.position_sigma = prepared.position_noise * std::sqrt(covariance->full_rate()(0, 0));
+  for (PreparedRecording& recording : prepared.recordings) {
+    SetRest(prepared.preprocessing, prepared.position_sigma, prepared.velocity_sigma, &recording.states);
+  }
   return prepared;
 }
 

@@ -19,7 +19,7 @@ namespace idim {
 struct PreparedRecording {
   RecordingEntry entry;
   Recording recording;
-  JointStates states;
+  JointStates states;  // dq zero in spells of rest
   Decimator decimator;
   std::vector<EffectEntry> effects =
       {};  // of all effects of the study; parameter: index into PreparedStudy::effect_parameters

@@ -272,7 +272,7 @@ struct Case {
   std::vector<Planted> planted;
   std::vector<std::string> found, false_alarms, dropped;
   double before = 0.0, after = 0.0, truth = 0.0, seconds = 0.0;
-  int unexplained = 0;
+  std::vector<std::string> unexplained;
 };
 
 std::string Title(const SimulatedEffect& effect) { return EffectTitle({FindEffect(effect.id), effect.joints, {}}); }
@@ -339,7 +339,10 @@ Case Run(int number) {
   result.before = loop->declared.validation;
   result.after = loop->final.validation;
   result.dropped = loop->dropped;
-  result.unexplained = static_cast<int>(loop->unexplained.size());
+  for (const Unexplained& u : loop->unexplained) {
+    result.unexplained.push_back(
+        Format("joint %d by %s (%.1f %%)", u.joint + 1, Join(u.depends_on, " and ").c_str(), u.share_percent));
+  }
   for (const ActiveEffect& active : loop->prepared.effects) {
     const std::string title = EffectTitle(active);
     bool planted = false;
@@ -385,9 +388,9 @@ void Print(int number, const Case& c) {
     planted += (planted.empty() ? "" : ", ") + Title(p.effect) +
                Format(" (share %.3f, worth %.1f %%%s)", p.share, p.worth, p.found ? "" : ", MISSED");
   }
-  std::printf("%4d %s %s\n       found %s; held out %.3f -> %.3f, truth %.3f %%; unexplained %d; %.1f s\n", number,
+  std::printf("%4d %s %s\n       found %s; held out %.3f -> %.3f, truth %.3f %%; unexplained: %s; %.1f s\n", number,
               c.identify ? "g" : " ", planted.empty() ? "none" : planted.c_str(), List(c.found).c_str(), c.before,
-              c.after, c.truth, c.unexplained, c.seconds);
+              c.after, c.truth, List(c.unexplained).c_str(), c.seconds);
   for (const std::string& name : c.false_alarms) std::printf("       FALSE ALARM %s\n", name.c_str());
   for (const std::string& text : c.dropped) std::printf("       dropped: %s\n", text.c_str());
   if (!c.problem.empty()) std::printf("       PROBLEM %s\n", c.problem.c_str());

@@ -55,6 +55,7 @@ std::vector<EffectMotion> MotionsOf(const PreparedStudy& prepared, const ArmPara
     if (recording.entry.payload >= 0) body = arm.payloads[recording.entry.payload];
     motions.push_back(MakeEffectMotion(prepared.base, recording.states, static_cast<int>(r), prepared.velocity_sigma,
                                        arm.chi.head(base), body, prepared.position_sigma));
+    motions.back().derivative_cutoff_hz = kDerivativeBand * prepared.preprocessing.cutoff_hz;
     for (const EffectEntry& entry : recording.effects) {
       motions.back().torque.col(entry.joint) += arm.chi[base + entry.parameter] * entry.torque;
     }

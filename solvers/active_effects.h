@@ -16,6 +16,9 @@ namespace idim {
 std::string EffectTitle(const ActiveEffect& active);
 bool SameEffect(const ActiveEffect& a, const ActiveEffect& b);  // id and joints
 
+// Part of the band kept by the low-pass in which motion lies; EffectMotion::derivative_cutoff_hz.
+inline constexpr double kDerivativeBand = 0.25;
+
 // One a recording of the study, by the arm's torque with its active effects. `prepared` must outlive them.
 std::vector<EffectMotion> MotionsOf(const PreparedStudy& prepared, const ArmParameters& arm);
 

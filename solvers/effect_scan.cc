@@ -66,6 +66,7 @@ class Columns {
       if (recording.entry.payload >= 0) body = arm.payloads[static_cast<size_t>(recording.entry.payload)];
       decimated_.push_back(MakeEffectMotion(prepared.base, states, static_cast<int>(r), prepared.velocity_sigma,
                                             arm.chi.head(prepared.base.size()), body, prepared.position_sigma));
+      decimated_.back().derivative_cutoff_hz = motions[r].derivative_cutoff_hz;
       decimated_.back().torque = recording.decimator.Apply(motions[r].torque);
     }
   }

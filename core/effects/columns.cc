@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/dynamics/standard_model.h"
+#include "core/signal/butterworth.h"
 
 namespace idim {
 
@@ -57,6 +58,16 @@ MatrixXd TimeDerivative(const VectorXd& t, const MatrixXd& values) {
     derivative.row(i) = left + curvature * (2.0 * t[i] - t[middle - 1] - t[middle]);
   }
   return derivative;
+}
+
+VectorXd ForDerivatives(const EffectMotion& motion, const VectorXd& values) {
+  const Index count = motion.t.size();
+  CHECK_EQ(values.size(), count);
+  if (!(motion.derivative_cutoff_hz > 0.0) || count < 3) return values;
+  const double step = (motion.t[count - 1] - motion.t[0]) / static_cast<double>(count - 1);
+  if (motion.derivative_cutoff_hz >= 0.5 / step) return values;
+  const ButterworthFilter filter(4, motion.derivative_cutoff_hz, step);
+  return count > filter.padding() ? filter.ZeroPhase(values) : values;
 }
 
 double PositionRange(const std::vector<EffectMotion>& motions, int joint) {

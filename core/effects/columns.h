@@ -29,6 +29,10 @@ Eigen::VectorXd ExpectedSigns(const EffectMotion& motion, int joint);
 // (exact for parabolas), at the ends of the nearest three samples. Zero where N < 3.
 Eigen::MatrixXd TimeDerivative(const Eigen::VectorXd& t, const Eigen::MatrixXd& values);
 
+// values (N, a torque along the motion) below motion.derivative_cutoff_hz, by a zero-phase low-pass; unchanged where
+// that is zero or the recording too short.
+Eigen::VectorXd ForDerivatives(const EffectMotion& motion, const Eigen::VectorXd& values);
+
 // Over all motions; zero where the joint does not move.
 double PositionRange(const std::vector<EffectMotion>& motions, int joint);
 double LargestSpeed(const std::vector<EffectMotion>& motions, int joint);

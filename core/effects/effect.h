@@ -46,6 +46,10 @@ struct EffectMotion {
   Eigen::MatrixXd link;            // N x n, link_torque there: what the transmissions carry
   // n, standard deviations of q after the filter; empty: not known, taken as zero.
   Eigen::VectorXd position_sigma;
+  // [Hz] above which derivatives of a torque are left out; 0: none. The states' noise grows with the square of the
+  // frequency in ddq and with its fourth power in the second derivative of a torque: there it would drown the motion,
+  // and being that of the model's own columns, pass for the effect.
+  double derivative_cutoff_hz = 0.0;
   RigidTorque rigid_torque;
   RigidTorque
       link_torque;  // rigid_torque less the drives' inertia, as far as the base parameters tell it from the links'

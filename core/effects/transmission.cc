@@ -105,7 +105,7 @@ class JointElasticity : public Effect {
                                    const VectorXd& shape) const override {
     const int joint = OnlyJoint(joints);
     CHECK_EQ(shape.size(), 0);
-    return LinkTorqueAlong(motion, joint, -motion.link.col(joint));
+    return LinkTorqueAlong(motion, joint, ForDerivatives(motion, -motion.link.col(joint)));
   }
 };
 

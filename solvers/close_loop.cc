@@ -305,9 +305,11 @@ bool LoopOptions::IsValid(std::string* error) const {
   return true;
 }
 
-Result<LoopResult> CloseLoop(const PreparedStudy& prepared, const LoopOptions& options) {
+Result<LoopResult> CloseLoop(const PreparedStudy& as_recorded, const LoopOptions& options) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
+  PreparedStudy prepared = as_recorded;
+  SetVelocityZeroAtRest(&prepared);
   LoopResult result(prepared);
   result.given = options;
   for (const PreparedRecording& recording : prepared.recordings) {

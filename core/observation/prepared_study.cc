@@ -53,9 +53,6 @@ Status CheckMotion(const PreparedStudy& prepared) {
   return Status::Ok();
 }
 
-// Zero-velocity update: in a spell of rest, where for a while velocity is within 4 standard deviations of zero and
-// position within 8 of one place, the estimate of the velocity is zero. The sign of the noise says nothing of friction,
-// but as a function of the measured velocity it would pass for one.
 void SetRest(const Preprocessing& preprocessing, const Eigen::VectorXd& position_sigma,
              const Eigen::VectorXd& velocity_sigma, JointStates* states) {
   const double shortest = std::max(0.1, 2.0 / preprocessing.cutoff_hz);  // [s]
@@ -82,6 +79,13 @@ void SetRest(const Preprocessing& preprocessing, const Eigen::VectorXd& position
 }
 
 }  // namespace
+
+void SetVelocityZeroAtRest(PreparedStudy* prepared) {
+  CHECK_EQ(prepared->position_sigma.size(), prepared->study.robot.dof());
+  for (PreparedRecording& recording : prepared->recordings) {
+    SetRest(prepared->preprocessing, prepared->position_sigma, prepared->velocity_sigma, &recording.states);
+  }
+}
 
 std::vector<Parameter> PreparedStudy::parameters() const {
   std::vector<Parameter> all = base.parameters();
@@ -138,9 +142,6 @@ Result<PreparedStudy> PrepareStudy(const Study& study, std::vector<Recording> re
   if (!covariance.ok()) return At(first.entry.q_file, covariance.status());
   prepared.velocity_sigma = prepared.position_noise * std::sqrt(covariance->full_rate()(1, 1));
   prepared.position_sigma = prepared.position_noise * std::sqrt(covariance->full_rate()(0, 0));
-  for (PreparedRecording& recording : prepared.recordings) {
-    SetRest(prepared.preprocessing, prepared.position_sigma, prepared.velocity_sigma, &recording.states);
-  }
   return prepared;
 }
 

@@ -173,7 +173,7 @@ SimulatedEffect DrawEffect(const std::string& id, const Scenario& scenario, Rand
   } else if (id == "load_friction") {
     v = {{"mu", 0.05}};
   } else if (id == "presliding") {
-    v = {{"displacement", 0.01}};
+    v = {{"displacement", random->LogUniform(1e-3, 0.1)}};
   } else if (id == "thermal_drift") {
     v = {{"viscous_share", -random->Uniform(0.1, 0.5)},
          {"coulomb_share", -random->Uniform(0.05, 0.3)},
@@ -315,9 +315,17 @@ Case Run(int number) {
     scenario.effects.push_back(effect);
     const size_t last = scenario.effects.size() - 1;
     double size = share;
-    while (!ScaleEffect(&scenario, last, size).ok() && size > 1e-3) size *= 0.7;
-    if (size <= 1e-3) {
-      result.problem = effect.id + " cannot be scaled";
+    Status scaled = Status::Ok();
+    if (effect.id == "presliding") {
+      // A joint at rest holds its torque however small the displacement: the share has no power law to follow.
+      size = EffectShare(scenario, last);
+    } else {
+      scaled = ScaleEffect(&scenario, last, size);
+      // Some effects have a largest size.
+      for (int k = 0; !scaled.ok() && k < 4; ++k) scaled = ScaleEffect(&scenario, last, size *= 0.6);
+    }
+    if (!scaled.ok()) {
+      result.problem = scaled.message();
       scenario.effects.pop_back();
       return result;
     }

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/effects/columns.h"
+#include "solvers/active_effects.h"
+
 namespace idim {
 namespace {
 
@@ -21,6 +24,15 @@ struct Signal {
   std::string name;
   VectorXd value;  // samples
 };
+
+// Without the noise of the states: it is in the residual too (of a joint at rest ddq is nothing else), and would be
+// found.
+VectorXd Smooth(const PreparedStudy& prepared, const PreparedRecording& recording, const MatrixXd& of, int joint) {
+  EffectMotion motion;
+  motion.t = recording.states.t;
+  motion.derivative_cutoff_hz = kDerivativeBand * prepared.preprocessing.cutoff_hz;
+  return recording.decimator.Apply(ForDerivatives(motion, of.col(joint)));
+}
 
 std::vector<Signal> SignalsOf(const PreparedStudy& prepared, const ResidualModel& residual, int joint) {
   std::vector<Signal> signals;
@@ -40,14 +52,14 @@ std::vector<Signal> SignalsOf(const PreparedStudy& prepared, const ResidualModel
     signals.push_back({"q" + number, stack([&](const PreparedRecording& r) {
                          return VectorXd(r.decimator.Apply(r.states.q.col(j)));
                        })});
-    signals.push_back({"dq" + number, stack([&](const PreparedRecording& r) {
-                         return VectorXd(r.decimator.Apply(r.states.dq.col(j)));
-                       })});
-    signals.push_back({"ddq" + number, stack([&](const PreparedRecording& r) {
-                         return VectorXd(r.decimator.Apply(r.states.ddq.col(j)));
-                       })});
+    signals.push_back(
+        {"dq" + number, stack([&](const PreparedRecording& r) { return Smooth(prepared, r, r.states.dq, j); })});
+    signals.push_back(
+        {"ddq" + number, stack([&](const PreparedRecording& r) { return Smooth(prepared, r, r.states.ddq, j); })});
   }
-  signals.push_back({"tau" + std::to_string(joint + 1), residual.torque().col(joint)});
+  // Of the model: the measured one has the residual in it.
+  signals.push_back(
+      {"tau" + std::to_string(joint + 1), residual.torque().col(joint) - residual.TorqueResidual().col(joint)});
   signals.push_back({"t", stack([](const PreparedRecording& r) { return r.decimator.times(); })});
   return signals;
 }

@@ -56,6 +56,7 @@ DEFINE_double(position_noise, 2e-5, "[rad]");
 DEFINE_double(none, 0.25, "share of cases without effect");
 DEFINE_double(two, 0.15, "share of cases with two effects");
 DEFINE_double(identified, 0.15, "share of cases with gains to be identified");
+DEFINE_bool(verbose, false, "what the loop is about, to standard error");
 DEFINE_string(only, "", "ids to draw from, with commas between them; empty: all");
 
 namespace idim {
@@ -338,7 +339,9 @@ Case Run(int number) {
     result.problem = prepared.status().message();
     return result;
   }
-  const Result<LoopResult> loop = CloseLoop(*prepared, LoopOptions());
+  LoopOptions options;
+  if (FLAGS_verbose) options.progress = [](const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); };
+  const Result<LoopResult> loop = CloseLoop(*prepared, options);
   if (!loop.ok() || !loop->status.ok()) {
     result.problem = loop.ok() ? loop->status.message() : loop.status().message();
     if (!loop.ok() || loop->prepared.effects.empty()) return result;

@@ -126,6 +126,7 @@ class Loop {
           return true;
         }
       }
+      Say((fit.ok() ? "no better with " : fit.status().message() + ": ") + EffectTitle(passing[chosen].effect));
       aside_.push_back(passing[chosen].effect);
       passing.erase(passing.begin() + static_cast<std::ptrdiff_t>(chosen));
     }

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kMaxRounds = 4;
+constexpr int kMaxRounds = 5;
 // Settled: no shape would move by more than this many of its standard deviations.
 constexpr double kSettled = 0.1;
 // Without a value that is this many standard deviations from zero nothing tells a shape.
@@ -81,8 +81,10 @@ Result<EffectFit> FitDeclared(const PreparedStudy& prepared) {
 Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& effects) {
   EffectFit fit = from;
   std::vector<ActiveEffect> now = effects;
+  std::vector<bool> held(now.size(), false);  // shapes that nothing in the data tells
   for (int round = 0; round < kMaxRounds; ++round) {
     const std::vector<EffectMotion> motions = MotionsOf(fit.prepared, fit.Arm());
+    EffectFit last = fit;
     const BundleData before = std::move(fit.data);
     const VectorXd values = fit.summary.values;
     SetEffects(now, motions, &fit.prepared);
@@ -102,15 +104,29 @@ Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& 
       start.segment(at + linear, first[e + 1] - first[e] - linear).setZero();
     }
     fit.summary = SolveBundle(fit.prepared.base, fit.data, start, options);
-    if (!fit.summary.IsSolutionUsable()) return fit.summary.status;
+    if (!fit.summary.IsSolutionUsable()) {
+      // A shape whose change moves no sample's torque (an instant between two samples) makes the bundle singular. The
+      // newest that is free is held.
+      size_t e = now.size();
+      while (e > 0 && (now[e - 1].values.size() == 0 || now[e - 1].shape.size() == 0)) --e;
+      if (e == 0) return fit.summary.status;
+      held[e - 1] = true;
+      now[e - 1].values.resize(0);
+      fit = std::move(last);
+      continue;
+    }
     std::vector<ActiveEffect> next = now;
     const double moved = UpdateEffects(fit, motions, &next);
+    for (size_t e = 0; e < next.size(); ++e) {
+      if (held[e]) next[e].values.resize(0);
+    }
     const bool same_columns = std::equal(now.begin(), now.end(), next.begin(), [](const auto& a, const auto& b) {
       return (a.values.size() > 0) == (b.values.size() > 0);
     });
     if (round > 0 && same_columns && moved < kSettled) break;
     now = std::move(next);
   }
+  if (!fit.summary.IsSolutionUsable()) return fit.summary.status;
   // The shapes that the columns have, the values that they were found with.
   const std::vector<int> first = FirstParameters(fit.prepared);
   for (size_t e = 0; e < fit.prepared.effects.size(); ++e) {

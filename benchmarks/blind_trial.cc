@@ -297,7 +297,10 @@ Result<PreparedStudy> Log(const Scenario& scenario) {
   for (const ScenarioRecording& recording : scenario.recordings) {
     logs.push_back(SimulateLog(scenario, recording, SimulateTruth(scenario, recording)));
   }
-  return PrepareStudy(study, std::move(logs));
+  Result<PreparedStudy> prepared = PrepareStudy(study, std::move(logs));
+  // As the loop does it, so that the model that knows the truth is fitted to the same velocities.
+  if (prepared.ok()) SetVelocityZeroAtRest(&*prepared);
+  return prepared;
 }
 
 Case Run(int number) {

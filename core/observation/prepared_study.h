@@ -62,9 +62,8 @@ Result<PreparedStudy> PrepareStudy(const Study& study, std::vector<Recording> re
 
 // Zero-velocity update: where for a while (0.1 s and two periods of the cut-off) velocity is within 4 standard
 // deviations of zero and position within 8 of one place, the velocity is set to zero. The sign of the noise there is no
-// friction, but as a function of the measured velocity it would pass for one. Not for the estimators: on the real TX-40
-// the torque at rest keeps the sign of the motion before, and setting it to zero costs up to a tenth of the error of a
-// joint.
+// friction, but as a function of the measured velocity it would pass for one. For tracing; estimators take velocities
+// as measured, which on the real TX-40 makes less than 3 % of any joint's error.
 void SetVelocityZeroAtRest(PreparedStudy* prepared);
 
 }  // namespace idim

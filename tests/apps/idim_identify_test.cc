@@ -144,7 +144,7 @@ TEST(IdimIdentify, RealTx40) {
   IDIM_SKIP_WITHOUT("tx40/motor_position.csv");
   const TempFolder folder;
   const testing::ProgramRun run = testing::RunProgram(
-      "idim_identify", Dataset("tx40/study.yaml") + " --reference=" + Dataset("tx40/paper_table_1.json") +
+      "idim_identify", Dataset("tx40/study.yaml") + " --estimator=wls --reference=" + Dataset("tx40/paper_table_1.json") +
                            " --output=" + folder / "out");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("beside: paper, Table I"));

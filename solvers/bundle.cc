@@ -2,7 +2,6 @@
 
 #include <glog/logging.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
@@ -42,21 +41,28 @@ VectorXd Moved(const VectorXd& theta, const VectorXd& move, Index gains) {
   return next;
 }
 
-// What the error of the estimated states adds to the curvature K = R'R, held to the share of K at which K - N is still
-// a curvature. *share: of the direction where it is largest.
-constexpr double kLargestShare = 0.97;
-MatrixXd HeldNoise(const MatrixXd& noise, const MatrixXd& r, double* share) {
+// R^-1 of an upper triangle, by scaled columns.
+MatrixXd InverseOf(const MatrixXd& r) {
+  const Index c = r.cols();
   const VectorXd inverse_scale = ColumnScales(r).cwiseInverse();
   const MatrixXd scaled = r * inverse_scale.asDiagonal();
-  const auto triangle = scaled.triangularView<Eigen::Upper>();
-  const MatrixXd own = inverse_scale.asDiagonal() * noise * inverse_scale.asDiagonal();
-  const MatrixXd half = triangle.transpose().solve(own);
-  const MatrixXd shares = triangle.transpose().solve(MatrixXd(half.transpose()));
+  return inverse_scale.asDiagonal() * MatrixXd(scaled.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(c, c)));
+}
+
+// What the error of the estimated states makes up of the curvature K = R'R: T = R^-T N R^-1, held below the share of K
+// at which K - N = R'(I - T) R is still a curvature. inverse: R^-1. *share: of the direction where it is largest.
+constexpr double kLargestShare = 0.97;
+MatrixXd HeldShares(const MatrixXd& noise, const MatrixXd& inverse, double* share) {
+  const MatrixXd shares = inverse.transpose() * noise * inverse;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (shares + shares.transpose()));
   *share = eigen.eigenvalues().maxCoeff();
-  const MatrixXd held = eigen.eigenvectors() * eigen.eigenvalues().cwiseMin(kLargestShare).cwiseMax(0.0).asDiagonal() *
-                        eigen.eigenvectors().transpose();
-  return r.transpose() * held * r;
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMin(kLargestShare).cwiseMax(0.0).asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+// (K - N)^-1 for K = R'R.
+MatrixXd InverseWithout(const MatrixXd& shares, const MatrixXd& inverse) {
+  return inverse * (MatrixXd::Identity(shares.rows(), shares.cols()) - shares).inverse() * inverse.transpose();
 }
 
 // Levenberg-Marquardt with fixed weights. Returns whether the minimum is nearer than `tolerance`. noise: to be taken
@@ -74,20 +80,11 @@ bool Minimize(BundleProblem* problem, double tolerance, int max_iterations, cons
     if (summary->decrement < tolerance) return true;
     if (summary->iterations >= max_iterations) return false;
     ++summary->iterations;
-    const VectorXd scale = ColumnScales(r.leftCols(c));
-    MatrixXd damped(2 * c + 1, c);
-    VectorXd right = VectorXd::Zero(2 * c + 1);
-    right.head(c + 1) = -r.col(c);
     if (newton) {
-      double share = 0.0;
-      const MatrixXd triangle = r.topLeftCorner(c, c);
-      const MatrixXd curvature = triangle.transpose() * triangle - HeldNoise(noise, triangle, &share);
-      const VectorXd gradient = triangle.transpose() * r.col(c).head(c);
-      const VectorXd inverse_scale = scale.cwiseInverse();
-      const VectorXd step = MatrixXd(inverse_scale.asDiagonal() * curvature * inverse_scale.asDiagonal())
-                                .ldlt()
-                                .solve(-inverse_scale.cwiseProduct(gradient));
-      const VectorXd next = Moved(iterate->theta, step.cwiseProduct(inverse_scale), problem->num_gains());
+      const MatrixXd triangle = r.topLeftCorner(c, c), inverse = InverseOf(triangle);
+      const VectorXd step = -(InverseWithout(HeldShares(noise, inverse, &summary->noise_share), inverse) *
+                              (triangle.transpose() * r.col(c).head(c)));
+      const VectorXd next = Moved(iterate->theta, step, problem->num_gains());
       if (next.allFinite()) {
         Evaluation at = problem->Evaluate(next, iterate->sigma);
         if (at.cost <= iterate->at.cost * (1.0 + 1e-12)) {
@@ -98,6 +95,10 @@ bool Minimize(BundleProblem* problem, double tolerance, int max_iterations, cons
       }
       newton = false;
     }
+    const VectorXd scale = ColumnScales(r.leftCols(c));
+    MatrixXd damped(2 * c + 1, c);
+    VectorXd right = VectorXd::Zero(2 * c + 1);
+    right.head(c + 1) = -r.col(c);
     while (true) {
       damped << r.leftCols(c) * scale.cwiseInverse().asDiagonal(),
           MatrixXd(VectorXd::Constant(c, std::sqrt(lambda)).asDiagonal());
@@ -119,14 +120,6 @@ bool Minimize(BundleProblem* problem, double tolerance, int max_iterations, cons
   return false;
 }
 
-// R^-1 of an upper triangle, by scaled columns.
-MatrixXd InverseOf(const MatrixXd& r) {
-  const Index c = r.cols();
-  const VectorXd inverse_scale = ColumnScales(r).cwiseInverse();
-  const MatrixXd scaled = r * inverse_scale.asDiagonal();
-  return inverse_scale.asDiagonal() * MatrixXd(scaled.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(c, c)));
-}
-
 // Rows that are worked on together, so that what all samples need is not held twice.
 constexpr Index kBlockRows = 256;
 
@@ -140,12 +133,8 @@ void SetCovariance(BundleProblem* problem, const BundleData& data, const Iterate
   const MatrixXd inverse = InverseOf(sensitivity.curvature);
   const double variance = HuberNorm{options.huber_threshold * std::sqrt(data.dof)}.VarianceFactor(data.dof);
   summary->covariance = inverse * inverse.transpose() * variance;
-  const MatrixXd noise = HeldNoise(problem->NoiseInformation(iterate.theta, iterate.sigma, kNoiseSamples),
-                                   sensitivity.curvature, &summary->noise_share);
-  // (I - T)^-1 between R^-1 and its transpose, T the shares of the noise.
-  const MatrixXd shares = inverse.transpose() * noise * inverse;
-  const MatrixXd bread =
-      inverse * (MatrixXd::Identity(shares.rows(), shares.cols()) - shares).inverse() * inverse.transpose();
+  const MatrixXd noise = problem->NoiseInformation(iterate.theta, iterate.sigma, kNoiseSamples);
+  const MatrixXd bread = InverseWithout(HeldShares(noise, inverse, &summary->noise_share), inverse);
   MatrixXd middle = sensitivity.curvature.transpose() * sensitivity.curvature * variance;
   if (options.max_weight_iterations > 0) {
     // Weights that are estimated: their errors move the estimate where the joint data's noise is felt.
@@ -155,7 +144,7 @@ void SetCovariance(BundleProblem* problem, const BundleData& data, const Iterate
     sensitivity.scores += sensitivity.variances * by_variance.transpose();
   }
   summary->model_covariance = bread * middle * bread.transpose();
-  const std::vector<std::pair<Index, Index>> recordings = RecordingsOf(data);
+  const SampleRanges recordings = RecordingsOf(data);
   // Influence of each sample on the parameters.
   MatrixXd& influence = sensitivity.scores;
   for (Index first = 0; first < influence.rows(); first += kBlockRows) {
@@ -195,11 +184,7 @@ bool BundleOptions::IsValid(std::string* error) const {
     *error = "signal_sigma has an entry that is not positive";
     return false;
   }
-  for (const BundlePrior& prior : priors) {
-    if (prior.unknown >= 0 && prior.standard_deviation > 0.0) continue;
-    *error = "priors: expected an unknown >= 0 and a positive standard deviation";
-    return false;
-  }
+  if (!AreValid(priors, error)) return false;
   if (!(huber_threshold >= 0.0)) {
     *error = "huber_threshold is " + std::to_string(huber_threshold) + "; expected 0 (no loss) or more";
     return false;

@@ -54,6 +54,15 @@ void AddRecording(const PreparedRecording& recording, const PreparedStudy& prepa
 
 }  // namespace
 
+bool AreValid(const std::vector<BundlePrior>& priors, std::string* error) {
+  for (const BundlePrior& prior : priors) {
+    if (prior.unknown >= 0 && prior.standard_deviation > 0.0) continue;
+    *error = "priors: expected an unknown >= 0 and a positive standard deviation";
+    return false;
+  }
+  return true;
+}
+
 Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
   const Study study = ReleaseUncertain(prepared.study);
   BundleData data;

@@ -17,6 +17,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <string>
 #include <vector>
 
 #include "core/base/status.h"
@@ -31,6 +32,9 @@ struct BundlePrior {
   double value = 0.0;
   double standard_deviation = 0.0;  // > 0
 };
+
+// False with a sentence in *error unless each names an unknown and has a positive standard deviation.
+bool AreValid(const std::vector<BundlePrior>& priors, std::string* error);
 
 struct BundleSample {
   int recording = 0;  // index into BundleData::payload_of_recording and ::state_covariance

@@ -55,11 +55,7 @@ bool CeresBundleOptions::IsValid(std::string* error) const {
     *error = "signal_sigma: expected a positive standard deviation for every joint";
     return false;
   }
-  for (const BundlePrior& prior : priors) {
-    if (prior.unknown >= 0 && prior.standard_deviation > 0.0) continue;
-    *error = "priors: expected an unknown >= 0 and a positive standard deviation";
-    return false;
-  }
+  if (!AreValid(priors, error)) return false;
   if (!(huber_threshold >= 0.0)) {
     *error = "huber_threshold is " + std::to_string(huber_threshold) + "; expected 0 or more";
     return false;

@@ -14,6 +14,8 @@ using Eigen::VectorXd;
 class DeclaredFriction : public Effect {
  public:
   EffectSite site() const override { return EffectSite::kJoint; }
+  EffectDomain domain() const override { return EffectDomain::kVelocity; }
+  bool in_standard_model() const override { return true; }
 
   std::vector<EffectEntry> Columns(const EffectMotion& motion, const std::vector<int>& joints,
                                    const VectorXd& shape) const override {

@@ -72,12 +72,18 @@ struct ShapeParameter {
 
 enum class EffectSite { kJoint, kJointPair, kArm };
 
+// What its torque is a function of, or drawn against: the velocity of its joint (friction), its position, or neither.
+enum class EffectDomain { kVelocity, kPosition, kOther };
+
 class Effect {
  public:
   virtual ~Effect() = default;
 
   virtual std::string id() const = 0;  // as in the contract: "stribeck"
   virtual EffectSite site() const = 0;
+  virtual EffectDomain domain() const { return EffectDomain::kOther; }
+  // A study declares it by its key `friction`: its columns are in the standard model.
+  virtual bool in_standard_model() const { return false; }
   virtual std::string physics() const = 0;         // one line
   virtual std::string how_to_confirm() const = 0;  // one line: what to do at the robot
 

@@ -12,6 +12,7 @@ class JointSpring : public Effect {
  public:
   std::string id() const override { return "joint_spring"; }
   EffectSite site() const override { return EffectSite::kJoint; }
+  EffectDomain domain() const override { return EffectDomain::kPosition; }
   std::string physics() const override {
     return "A torque proportional to position: gravity compensator, cables and hoses that stiffen.";
   }

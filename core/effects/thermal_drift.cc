@@ -15,6 +15,7 @@ class ThermalDrift : public Effect {
  public:
   std::string id() const override { return "thermal_drift"; }
   EffectSite site() const override { return EffectSite::kJoint; }
+  EffectDomain domain() const override { return EffectDomain::kVelocity; }
   std::string physics() const override {
     return "Friction drifts as lubricant and gear warm up with the time constant T; dFv and dFs are the changes at the "
            "end (as a rule negative).";

@@ -37,6 +37,7 @@ class TorqueRipple : public Effect {
  public:
   std::string id() const override { return "torque_ripple"; }
   EffectSite site() const override { return EffectSite::kJoint; }
+  EffectDomain domain() const override { return EffectDomain::kPosition; }
   std::string physics() const override {
     return "Torque periodic in the position of joint or motor: cogging, teeth of the gear, torque sensors, current "
            "offsets.";

@@ -18,6 +18,7 @@ class Stribeck : public Effect {
  public:
   std::string id() const override { return "stribeck"; }
   EffectSite site() const override { return EffectSite::kJoint; }
+  EffectDomain domain() const override { return EffectDomain::kVelocity; }
   std::string physics() const override {
     return "Dry friction that falls with speed as the lubricant film builds up: Fst sign(dq) exp(-(dq / vs)^2).";
   }
@@ -55,6 +56,7 @@ class PowerViscous : public Effect {
  public:
   std::string id() const override { return "power_viscous"; }
   EffectSite site() const override { return EffectSite::kJoint; }
+  EffectDomain domain() const override { return EffectDomain::kVelocity; }
   std::string physics() const override {
     return "Viscous friction that is not proportional to speed, Fp sign(dq) |dq|^a: grease that thins when sheared "
            "(a < 1), churning (a > 1).";
@@ -88,6 +90,7 @@ class AsymmetricFriction : public Effect {
  public:
   std::string id() const override { return "asymmetric_friction"; }
   EffectSite site() const override { return EffectSite::kJoint; }
+  EffectDomain domain() const override { return EffectDomain::kVelocity; }
   std::string physics() const override {
     return "Friction that differs between the two directions, half the difference Fva |dq| + Fsa while moving: helical "
            "or worm gears, preloaded bearings.";
@@ -116,6 +119,7 @@ class LoadFriction : public Effect {
  public:
   std::string id() const override { return "load_friction"; }
   EffectSite site() const override { return EffectSite::kJoint; }
+  EffectDomain domain() const override { return EffectDomain::kVelocity; }
   std::string physics() const override {
     return "Dry friction that grows with the torque a gear transmits, Fl sign(dq) |tau_rigid|: tooth and bearing "
            "loads.";

@@ -51,10 +51,8 @@ std::vector<EffectMotion> MotionsOf(const PreparedStudy& prepared, const ArmPara
   const int base = prepared.base.size();
   for (size_t r = 0; r < prepared.recordings.size(); ++r) {
     const PreparedRecording& recording = prepared.recordings[r];
-    InertialVector body = InertialVector::Zero();
-    if (recording.entry.payload >= 0) body = arm.payloads[recording.entry.payload];
     motions.push_back(MakeEffectMotion(prepared.base, recording.states, static_cast<int>(r), prepared.velocity_sigma,
-                                       arm.chi.head(base), body, prepared.position_sigma));
+                                       arm.chi.head(base), arm.Carried(recording.entry), prepared.position_sigma));
     motions.back().derivative_cutoff_hz = kDerivativeBand * prepared.preprocessing.cutoff_hz;
     for (const EffectEntry& entry : recording.effects) {
       motions.back().torque.col(entry.joint) += arm.chi[base + entry.parameter] * entry.torque;

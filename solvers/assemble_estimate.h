@@ -4,7 +4,6 @@
 #define IDIM_SOLVERS_ASSEMBLE_ESTIMATE_H_
 
 #include <Eigen/Core>
-#include <array>
 #include <string>
 #include <vector>
 
@@ -16,8 +15,6 @@
 #include "solvers/prediction.h"
 
 namespace idim {
-
-using PayloadColumns = std::vector<std::array<int, kNumInertial>>;  // as AppendPayloadUnknowns() returns them
 
 // BadInput: a validation recording carries a payload whose unknown parameters no identification recording can tell.
 Status CheckValidationPayloads(const Study& study);

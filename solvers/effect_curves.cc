@@ -15,18 +15,10 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Those that are a torque against the motion of one joint. An effect that is not named here is drawn over its own
-// torque, which is right for any.
-bool IsFriction(const Effect& effect) {
-  constexpr const char* kIds[] = {"stribeck",      "power_viscous", "asymmetric_friction",
-                                  "load_friction", "presliding",    "thermal_drift"};
-  return std::any_of(std::begin(kIds), std::end(kIds), [&](const char* id) { return effect.id() == id; });
-}
-
-bool IsOfPosition(const std::string& id) { return id == "joint_spring" || id == "torque_ripple"; }
+bool IsFriction(const Effect& effect) { return effect.domain() == EffectDomain::kVelocity; }
 
 double ValueOf(const Estimate& estimate, const std::string& name) {
-  const ParameterEstimate* p = FindEstimate(estimate, name);
+  const ParameterEstimate* p = estimate.Find(name);
   return p == nullptr ? 0.0 : p->value;
 }
 
@@ -72,13 +64,15 @@ EffectCurve Curve(const LoopResult& result, int joint, bool friction) {
   EffectCurve curve;
   curve.joint = joint;
   std::vector<std::string> ids;
+  bool of_position = true;
   for (const ActiveEffect& active : result.prepared.effects) {
     const bool here = std::find(active.joints.begin(), active.joints.end(), joint) != active.joints.end();
-    if (here && IsFriction(*active.effect) == friction) ids.push_back(active.effect->id());
+    if (!here || IsFriction(*active.effect) != friction) continue;
+    ids.push_back(active.effect->id());
+    of_position &= active.effect->domain() == EffectDomain::kPosition;
   }
   curve.effects = Join(ids, ", ");
   if (ids.empty()) return curve;
-  const bool of_position = std::all_of(ids.begin(), ids.end(), IsOfPosition);
   curve.over = friction      ? EffectCurve::Over::kVelocity
                : of_position ? EffectCurve::Over::kPosition
                              : EffectCurve::Over::kModel;

@@ -22,10 +22,6 @@ struct Place {
   std::vector<int> joints;
 };
 
-bool IsDeclaredFriction(const Effect& effect) {
-  return effect.id() == "viscous" || effect.id() == "coulomb" || effect.id() == "offset";
-}
-
 std::vector<Place> Places(const PreparedStudy& prepared, const ScanOptions& options) {
   std::vector<Place> places;
   const int n = prepared.study.robot.dof();
@@ -37,7 +33,7 @@ std::vector<Place> Places(const PreparedStudy& prepared, const ScanOptions& opti
     places.push_back({effect, joints});
   };
   for (const Effect* effect : AllEffects()) {
-    if (IsDeclaredFriction(*effect)) continue;
+    if (effect->in_standard_model()) continue;
     if (effect->site() == EffectSite::kArm) add(effect, {});
     for (int a = 0; a < n; ++a) {
       if (effect->site() == EffectSite::kJoint) add(effect, {a});
@@ -62,10 +58,9 @@ class Columns {
       JointStates states = recording.states;
       states.t = recording.decimator.times();
       for (MatrixXd* m : {&states.q, &states.dq, &states.ddq}) *m = recording.decimator.Apply(*m);
-      InertialVector body = InertialVector::Zero();
-      if (recording.entry.payload >= 0) body = arm.payloads[static_cast<size_t>(recording.entry.payload)];
       decimated_.push_back(MakeEffectMotion(prepared.base, states, static_cast<int>(r), prepared.velocity_sigma,
-                                            arm.chi.head(prepared.base.size()), body, prepared.position_sigma));
+                                            arm.chi.head(prepared.base.size()), arm.Carried(recording.entry),
+                                            prepared.position_sigma));
       decimated_.back().derivative_cutoff_hz = motions[r].derivative_cutoff_hz;
       decimated_.back().torque = recording.decimator.Apply(motions[r].torque);
     }
@@ -208,7 +203,6 @@ void SetHeldOut(const ResidualModel& residual, const MatrixXd& before, EffectCan
   const VectorXd centred = candidate->held_out_gain.array() - candidate->held_out_gain.mean();
   candidate->held_out_decrease = candidate->held_out_gain.sum() / squares;
   candidate->held_out_error = std::sqrt(folds / (folds - 1.0) * centred.squaredNorm()) / squares;
-  candidate->folds_better = static_cast<int>((candidate->held_out_gain.array() > 0.0).count());
 }
 
 }  // namespace

@@ -31,7 +31,6 @@ struct EffectCandidate {
   double p_value = 1.0;            // of the score, corrected for all that is tried, at most 1
   Eigen::VectorXd held_out_gain;   // folds: decrease of the squared residual of all joints
   double held_out_decrease = 0.0;  // its sum over the squares of the effect's joints
-  int folds_better = 0;            // in which the squares decrease
   double held_out_error = 0.0;     // standard error of held_out_decrease, from the folds
   Eigen::MatrixXd remainder;       // of its columns, samples n x parameters
 };

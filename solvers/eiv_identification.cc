@@ -57,20 +57,23 @@ bool CanStart(const VectorXd& values, int gains) {
 }
 
 // One that is sound, or several of which none is.
-std::vector<Start> GainStarts(const GainSystem& system, const BundleData& data, const GainSummary& wgtls,
-                              const GainSummary& wls) {
+std::vector<Start> GainStarts(const GainSystem& system, const BundleData& data, const GainSummary& wgtls) {
   std::vector<Start> starts;
   const auto add = [&](const std::string& name, const VectorXd& values) {
-    if (!CanStart(values, data.dof)) return;
+    if (values.size() == 0 || !CanStart(values, data.dof)) return;
     starts.push_back({name, ByName(system.unknowns, values, data)});
   };
   if (wgtls.status.ok()) {
     add("WGTLS", wgtls.values);
     if (!starts.empty()) return starts;
   }
-  const VectorXd& sigma = wls.joint_sigma;
-  if (system.a_priori_gains.size() > 0) add("a priori gains", AtGains(system, system.a_priori_gains, sigma));
-  if (wgtls.values.size() > 0) add("WGTLS, which is not sound", wgtls.values);
+  GainOptions closed;
+  closed.estimator = GainEstimator::kWls;
+  const GainSummary wls = SolveGains(system, closed);
+  if (system.a_priori_gains.size() > 0) {
+    add("a priori gains", AtGains(system, system.a_priori_gains, wls.joint_sigma));
+  }
+  add("WGTLS, which is not sound", wgtls.values);
   add("WLS", wls.values);
   return starts;
 }
@@ -128,26 +131,6 @@ std::vector<std::string> Inessential(const BundleData& data, const BundleSummary
       .eliminated;
 }
 
-// Gains that no one should use, or Ok.
-Status CheckGains(const BundleData& data, const BundleSummary& summary, const VectorXd& a_priori, double max_percent) {
-  std::string why;
-  for (int j = 0; j < data.num_gains(); ++j) {
-    const double g = summary.values[j];
-    const std::string name = data.unknowns[j].name + Format(" = %.4g", g);
-    if (a_priori.size() > 0 && g * a_priori[j] < 0.0) {
-      why +=
-          (why.empty() ? "" : "; ") + name + Format(" has the opposite sign of its a priori value %.4g", a_priori[j]);
-    }
-    const double percent = 100.0 * std::sqrt(summary.robust_covariance(j, j)) / std::abs(g);
-    if (!(percent <= max_percent)) {
-      why += (why.empty() ? "" : "; ") + name +
-             Format(" has a relative standard deviation of %.3g %%, above %.3g %%", percent, max_percent);
-    }
-  }
-  if (why.empty()) return Status::Ok();
-  return Status::Untrusted("gains that cannot be trusted: " + why);
-}
-
 std::string Uncertainty(const BundleSummary& summary) {
   return Format(
       "standard deviations allow for residuals correlated over up to %d samples and between joints; intervals are %.1f "
@@ -196,25 +179,16 @@ Result<EivFit> FitEiv(const PreparedStudy& prepared, const GainSystem* system, c
     GainOptions closed;
     closed.estimator = GainEstimator::kWgtls;
     const GainSummary wgtls = SolveGains(*system, closed);
-    closed.estimator = GainEstimator::kWls;
-    const GainSummary wls = SolveGains(*system, closed);
-    starts = GainStarts(*system, fit.data, wgtls, wls);
-    start_status = wls.status;
-    for (const GainVerdict& verdict : wls.verdicts) estimate.gain_diagnoses.push_back(DescribeGain(verdict));
-    estimate.condition_number = wls.condition_number;
+    starts = GainStarts(*system, fit.data, wgtls);
+    start_status = wgtls.status;
+    for (const GainVerdict& verdict : wgtls.verdicts) estimate.gain_diagnoses.push_back(DescribeGain(verdict));
+    estimate.condition_number = wgtls.condition_number;
   } else {
-    const Result<Identification> wls = IdentifyLinear(prepared, LinearOptions());
-    if (!wls.ok()) return wls.status();
-    start_status = wls->estimate.status;
+    const LinearFit wls = FitLinear(prepared, LinearOptions());
+    start_status = wls.summary.status;
     if (start_status.ok()) {
-      std::vector<Parameter> names;
-      VectorXd values(static_cast<Index>(wls->estimate.parameters.size()));
-      for (const ParameterEstimate& p : wls->estimate.parameters) {
-        values[static_cast<Index>(names.size())] = p.value;
-        names.push_back(p.parameter);
-      }
-      starts.push_back({"WLS", ByName(names, values, fit.data)});
-      estimate.condition_number = wls->estimate.condition_number;
+      starts.push_back({"WLS", ByName(wls.unknowns, wls.summary.values, fit.data)});
+      estimate.condition_number = wls.summary.condition_number;
     }
   }
   if (starts.empty()) {
@@ -237,9 +211,11 @@ Result<EivFit> FitEiv(const PreparedStudy& prepared, const GainSystem* system, c
     estimate.eliminated = dropped;
   }
   estimate.status = fit.summary.status;
-  const VectorXd a_priori = identify ? prepared.study.gains : VectorXd();
-  if (estimate.status.ok()) {
-    estimate.status = CheckGains(fit.data, fit.summary, a_priori, options.max_spread_percent);
+  if (identify && estimate.status.ok()) {
+    const std::string why =
+        ReasonsAgainstGains(fit.summary.values.head(fit.data.num_gains()), fit.summary.robust_covariance,
+                            system->a_priori_gains, options.max_spread_percent);
+    if (!why.empty()) estimate.status = Status::Untrusted("gains that cannot be trusted: " + why);
   }
   return fit;
 }

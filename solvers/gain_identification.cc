@@ -150,23 +150,9 @@ std::string DefectMessage(const GainSystem& system, const std::vector<int>& kept
 
 // Gains that no one should use, or Ok.
 Status CheckGains(const GainSystem& system, const GainSummary& summary) {
-  std::string why;
+  std::string why = ReasonsAgainstGains(summary.values.head(system.dof()), summary.covariance, system.a_priori_gains,
+                                        summary.given.max_spread_percent);
   char text[160];
-  for (int j = 0; j < system.dof(); ++j) {
-    const double g = summary.values[j];
-    const char* name = system.unknowns[j].name.c_str();
-    if (system.a_priori_gains.size() > 0 && g * system.a_priori_gains[j] < 0.0) {
-      std::snprintf(text, sizeof(text), "%s = %.4g has the opposite sign of its a priori value %.4g", name, g,
-                    system.a_priori_gains[j]);
-      why += (why.empty() ? "" : "; ") + std::string(text);
-    }
-    const double spread = summary.RelativeSigmaPercent(j);
-    if (!(spread <= summary.given.max_spread_percent)) {
-      std::snprintf(text, sizeof(text), "%s = %.4g has a relative standard deviation of %.3g %%, above %.3g %%", name,
-                    g, spread, summary.given.max_spread_percent);
-      why += (why.empty() ? "" : "; ") + std::string(text);
-    }
-  }
   for (const GainVerdict& verdict : summary.verdicts) {
     // What knows the noise of each column has corrected for it.
     if (IsGeneralized(summary.given.estimator) || verdict.reliability >= summary.given.min_reliability) continue;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/base/text.h"
 #include "solvers/least_squares.h"
 #include "solvers/signal_noise.h"
 #include "solvers/total_least_squares.h"
@@ -72,6 +73,24 @@ std::string Sentence(const GainVerdict& v) {
 }
 
 }  // namespace
+
+std::string ReasonsAgainstGains(const VectorXd& gains, const MatrixXd& covariance, const VectorXd& a_priori,
+                                double max_percent) {
+  std::string why;
+  for (Index j = 0; j < gains.size(); ++j) {
+    const std::string name = Format("g%d = %.4g", static_cast<int>(j) + 1, gains[j]);
+    if (a_priori.size() > 0 && gains[j] * a_priori[j] < 0.0) {
+      why +=
+          (why.empty() ? "" : "; ") + name + Format(" has the opposite sign of its a priori value %.4g", a_priori[j]);
+    }
+    const double percent = 100.0 * std::sqrt(covariance(j, j)) / std::abs(gains[j]);
+    if (!(percent <= max_percent)) {
+      why += (why.empty() ? "" : "; ") + name +
+             Format(" has a relative standard deviation of %.3g %%, above %.3g %%", percent, max_percent);
+    }
+  }
+  return why;
+}
 
 std::vector<GainVerdict> JudgeGains(const GainSystem& system, double rank_tolerance) {
   const int n = system.dof();

@@ -43,6 +43,12 @@ struct GainVerdict {
   std::string sentence;  // for a person: what it is and why
 };
 
+// What speaks against estimated gains, "; " between the reasons, empty if nothing: a sign that contradicts the a priori
+// value (n of them, or empty), a relative standard deviation above `max_percent`. covariance: its first n x n are the
+// gains'.
+std::string ReasonsAgainstGains(const Eigen::VectorXd& gains, const Eigen::MatrixXd& covariance,
+                                const Eigen::VectorXd& a_priori, double max_percent);
+
 // Of the data alone, whatever estimator is used later: rows as recorded, torque shares with the gains of scaled TLS
 // with noise on the signals. The columns of the unknowns must be independent (DiagnoseRank) and none of the gains'
 // zero.

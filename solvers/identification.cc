@@ -60,6 +60,20 @@ MatrixXd APrioriColumnNoise(const Study& study, size_t columns) {
 
 }  // namespace
 
+LinearFit FitLinear(const PreparedStudy& prepared, const LinearOptions& options) {
+  LinearFit fit;
+  fit.unknowns = prepared.parameters();
+  fit.payload_columns = AppendPayloadUnknowns(prepared.study, &fit.unknowns);
+  LinearSystem system(fit.unknowns, prepared.study.robot.dof());
+  for (const PreparedRecording& recording : prepared.recordings) {
+    if (recording.entry.use == Use::kIdentification) AddRecording(prepared, recording, fit.payload_columns, &system);
+  }
+  LinearOptions used = options;
+  if (used.a_priori_sigma.size() == 0) used.a_priori_sigma = APrioriSigma(prepared.study);
+  fit.summary = SolveLinear(system, used);
+  return fit;
+}
+
 Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const LinearOptions& options) {
   const Study& study = prepared.study;
   if (study.gains_mode == GainsMode::kIdentify) {
@@ -68,15 +82,7 @@ Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const Linea
                             "takes as known; expected 'known' with values");
   }
   if (Status status = CheckValidationPayloads(study); !status.ok()) return status;
-  std::vector<Parameter> unknowns = prepared.parameters();
-  const PayloadColumns columns = AppendPayloadUnknowns(study, &unknowns);
-  LinearSystem system(unknowns, study.robot.dof());
-  for (const PreparedRecording& recording : prepared.recordings) {
-    if (recording.entry.use == Use::kIdentification) AddRecording(prepared, recording, columns, &system);
-  }
-  LinearOptions used = options;
-  if (used.a_priori_sigma.size() == 0) used.a_priori_sigma = APrioriSigma(study);
-  const LinearSummary summary = SolveLinear(system, used);
+  const auto [unknowns, columns, summary] = FitLinear(prepared, options);
 
   Identification result;
   Estimate& estimate = result.estimate;

@@ -14,6 +14,7 @@
 #include "core/observation/prepared_study.h"
 #include "solvers/gain_identification.h"
 #include "solvers/linear_identification.h"
+#include "solvers/payload_unknowns.h"
 
 namespace idim {
 
@@ -21,6 +22,14 @@ struct Identification {
   Estimate estimate;  // status not ok: only names and the status are set
   std::vector<RecordingSeries> series;
 };
+
+// LS or WLS with known drive gains, without predictions.
+struct LinearFit {
+  std::vector<Parameter> unknowns;
+  PayloadColumns payload_columns;
+  LinearSummary summary;
+};
+LinearFit FitLinear(const PreparedStudy& prepared, const LinearOptions& options);
 
 // LS or WLS with known drive gains; WLS rows weighted by the study's a priori signal noise where it has one. BadInput:
 // unknown gains, a validation payload that no identification recording carries. What the data cannot tell is in

@@ -38,13 +38,6 @@ std::vector<NamedShape> ShapesOf(const LoopResult& result, const ActiveEffect& a
   return shapes;
 }
 
-const ParameterEstimate* FindEstimate(const Estimate& estimate, const std::string& name) {
-  for (const ParameterEstimate& p : estimate.parameters) {
-    if (p.parameter.name == name) return &p;
-  }
-  return nullptr;
-}
-
 std::vector<ParameterEstimate> ParametersOf(const LoopResult& result, const ActiveEffect& active) {
   const PreparedStudy& prepared = result.prepared;
   const std::vector<int> first = FirstParameters(prepared);
@@ -53,7 +46,7 @@ std::vector<ParameterEstimate> ParametersOf(const LoopResult& result, const Acti
     if (!SameEffect(prepared.effects[k], active)) continue;
     for (int p = first[k]; p < first[k + 1]; ++p) {
       const auto index = static_cast<size_t>(p);
-      const ParameterEstimate* estimate = FindEstimate(result.after.estimate, prepared.effect_parameters[index].name);
+      const ParameterEstimate* estimate = result.after.estimate.Find(prepared.effect_parameters[index].name);
       if (estimate != nullptr) found.push_back(*estimate);
     }
   }
@@ -63,7 +56,7 @@ std::vector<ParameterEstimate> ParametersOf(const LoopResult& result, const Acti
 std::vector<Movement> Movements(const LoopResult& result) {
   std::vector<Movement> moved;
   for (const ParameterEstimate& before : result.before.estimate.parameters) {
-    const ParameterEstimate* after = FindEstimate(result.after.estimate, before.parameter.name);
+    const ParameterEstimate* after = result.after.estimate.Find(before.parameter.name);
     if (after == nullptr) continue;
     if (after->value < before.interval95[0] || after->value > before.interval95[1]) moved.push_back({before, *after});
   }

@@ -25,9 +25,6 @@ struct Movement {
 };
 std::vector<Movement> Movements(const LoopResult& result);
 
-// nullptr where the estimate has no such parameter.
-const ParameterEstimate* FindEstimate(const Estimate& estimate, const std::string& name);
-
 // "held-out blocks" where there are no validation recordings.
 std::string HeldOutName(const LoopResult& result);
 

@@ -230,7 +230,7 @@ Section Moved(const LoopResult& result) {
   const std::vector<Movement> movements = Movements(result);
   std::vector<Movement> shown;
   for (const ParameterEstimate& before : result.before.estimate.parameters) {
-    const ParameterEstimate* after = FindEstimate(result.after.estimate, before.parameter.name);
+    const ParameterEstimate* after = result.after.estimate.Find(before.parameter.name);
     if (before.parameter.kind == ParameterKind::kDriveGain && after != nullptr) shown.push_back({before, *after});
   }
   for (const Movement& m : movements) {

@@ -4,13 +4,13 @@
 
 namespace idim {
 
-std::vector<std::array<int, kNumInertial>> AppendPayloadUnknowns(const Study& study, std::vector<Parameter>* unknowns) {
+PayloadColumns AppendPayloadUnknowns(const Study& study, std::vector<Parameter>* unknowns) {
   std::set<int> carried;
   for (const RecordingEntry& entry : study.recordings) {
     if (entry.use == Use::kIdentification && entry.payload >= 0) carried.insert(entry.payload);
   }
   const int n = study.robot.dof();
-  std::vector<std::array<int, kNumInertial>> payload_columns;
+  PayloadColumns payload_columns;
   for (int p = 0; p < static_cast<int>(study.payloads.size()); ++p) {
     std::array<int, kNumInertial> columns;
     for (int k = 0; k < kNumInertial; ++k) {

@@ -12,10 +12,12 @@
 
 namespace idim {
 
+// For each payload of a study the columns of its ten parameters, -1 where known or not carried.
+using PayloadColumns = std::vector<std::array<int, kNumInertial>>;
+
 // Appends the unknown parameters of each payload that an identification recording carries to *unknowns, named like the
-// paper's link n + 1 ("XX7", "M7"; "XX7_big" where several payloads are carried). Returns for each payload of the
-// study the columns of its ten parameters, -1 where known or not carried.
-std::vector<std::array<int, kNumInertial>> AppendPayloadUnknowns(const Study& study, std::vector<Parameter>* unknowns);
+// paper's link n + 1 ("XX7", "M7"; "XX7_big" where several payloads are carried).
+PayloadColumns AppendPayloadUnknowns(const Study& study, std::vector<Parameter>* unknowns);
 
 // The study with what it knows of payloads to a standard deviation only set free.
 Study ReleaseUncertain(const Study& study);

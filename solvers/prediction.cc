@@ -45,8 +45,7 @@ RecordingSeries Predict(const PreparedStudy& prepared, const PreparedRecording& 
   StandardModel model = prepared.base.model();
   VectorXd chi = VectorXd::Zero(model.columns());
   for (int k = 0; k < prepared.base.size(); ++k) chi[prepared.base.kept()[k]] = parameters.chi[k];
-  InertialVector body = InertialVector::Zero();
-  if (recording.entry.payload >= 0) body = parameters.payloads[recording.entry.payload];
+  const InertialVector body = parameters.Carried(recording.entry);
 
   RecordingSeries series;
   series.name = recording.entry.name;

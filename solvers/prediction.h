@@ -17,6 +17,11 @@ struct ArmParameters {
   Eigen::VectorXd gains;                 // n [N m or N per signal unit]
   Eigen::VectorXd chi;                   // of PreparedStudy::parameters()
   std::vector<InertialVector> payloads;  // one a payload of the study, in the frame of the last link
+
+  // What a recording carries, zero for nothing.
+  InertialVector Carried(const RecordingEntry& entry) const {
+    return entry.payload < 0 ? InertialVector(InertialVector::Zero()) : payloads[entry.payload];
+  }
 };
 
 // Torque by signal and gains, and by the model, at the recorded instants and decimated.

@@ -48,13 +48,6 @@ void Append(Cells* cells, const Cells& more) { cells->insert(cells->end(), more.
 
 std::string Heading(const std::string& title) { return "## " + title + "\n\n"; }
 
-const ParameterEstimate* Find(const Estimate& estimate, const std::string& name) {
-  for (const ParameterEstimate& p : estimate.parameters) {
-    if (p.parameter.name == name) return &p;
-  }
-  return nullptr;
-}
-
 double Truth(const PaperStudy& paper, const std::string& name) {
   const Reference::Entry* entry = paper.truth.Find(name);
   CHECK(entry != nullptr) << name;
@@ -80,8 +73,8 @@ std::string ParameterTable(const PaperStudy& paper, const PaperTable& table, int
   for (const Reference::Entry& entry : paper.truth.parameters) {
     if (entry.name[0] == 'g') continue;
     const int row = RowOf(table, entry.name);
-    const ParameterEstimate* one = Find(paper.cases[ten].estimate, entry.name);
-    const ParameterEstimate* two = Find(paper.cases[mass].estimate, entry.name);
+    const ParameterEstimate* one = paper.cases[ten].estimate.Find(entry.name);
+    const ParameterEstimate* two = paper.cases[mass].estimate.Find(entry.name);
     const bool payload = entry.name.back() == '7';
     if (row < 0 && one == nullptr && two == nullptr) continue;
     const auto cell = [&](const char* column) { return row < 0 ? "–" : OrDash(table.Cell(row, column)); };
@@ -135,7 +128,7 @@ std::string GainTable(const PaperStudy& paper, const PaperTable& table, const st
     Cells wrong = {Fixed2(truth)};
     for (int k = 0; k < 2; ++k) {
       const std::string column = method + (k == 0 ? "_ten_known" : "_mass_known");
-      const ParameterEstimate* gain = Find(paper.cases[k == 0 ? ten : mass].estimate, name);
+      const ParameterEstimate* gain = paper.cases[k == 0 ? ten : mass].estimate.Find(name);
       CHECK(gain != nullptr) << name;
       Append(&cells,
              {table.Cell(j, column), table.Cell(j, column + "_rsd"), difference(table.Number(j, column), &sums[2 * k]),

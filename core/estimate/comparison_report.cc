@@ -21,13 +21,6 @@ std::string Percent(double value) {
   return value > 0.0 ? ">9999" : "<-9999";
 }
 
-const ParameterEstimate* Find(const Estimate& estimate, const std::string& name) {
-  for (const ParameterEstimate& p : estimate.parameters) {
-    if (p.parameter.name == name) return &p;
-  }
-  return nullptr;
-}
-
 // Names of all estimates in the order of the model, which each of them follows.
 std::vector<Parameter> AllParameters(const std::vector<Estimate>& estimates) {
   std::vector<Parameter> all;
@@ -111,7 +104,7 @@ Table ValueTable(const std::vector<Estimate>& estimates, const std::vector<Refer
   for (const Parameter& parameter : parameters) {
     std::vector<std::string> row = {parameter.name, parameter.unit};
     for (const Estimate& e : estimates) {
-      const ParameterEstimate* p = Find(e, parameter.name);
+      const ParameterEstimate* p = e.Find(parameter.name);
       row.push_back(p == nullptr ? "" : Format("%.4g", p->value));
       row.push_back(p == nullptr ? "" : Percent(p->RelativeSigmaPercent()));
     }
@@ -136,7 +129,7 @@ IntervalFigure Intervals(const std::vector<Estimate>& estimates, const std::vect
     IntervalFigure::Estimates set{EstimatorTitle(e.estimator), blank(), blank(), blank(),
                                   ColorOfSet(figure.sets.size())};
     for (Eigen::Index k = 0; k < count; ++k) {
-      const ParameterEstimate* p = Find(e, figure.parameters[k]);
+      const ParameterEstimate* p = e.Find(figure.parameters[k]);
       if (p == nullptr) continue;
       set.value[k] = p->value;
       set.lower[k] = p->interval95[0];
@@ -163,7 +156,7 @@ std::optional<std::pair<double, double>> Around(const std::vector<Estimate>& est
   double centre = 0.0, lowest = 0.0, highest = 0.0;
   bool trusted = false;
   for (const Estimate& e : estimates) {
-    const ParameterEstimate* p = Find(e, name);
+    const ParameterEstimate* p = e.Find(name);
     if (p == nullptr) continue;
     if (e.status.ok() || !trusted) centre = p->value;
     trusted |= e.status.ok();
@@ -259,10 +252,10 @@ std::string ComparisonToText(const Comparison& comparison) {
   for (const Reference& r : references) rows[0].push_back(r.name);
   for (const Parameter& parameter : AllParameters(estimates)) {
     std::vector<std::string> row = {parameter.name};
-    const ParameterEstimate* base = Find(*first, parameter.name);
+    const ParameterEstimate* base = first->Find(parameter.name);
     for (const Estimate& e : estimates) {
       if (e.parameters.empty()) continue;
-      const ParameterEstimate* p = Find(e, parameter.name);
+      const ParameterEstimate* p = e.Find(parameter.name);
       row.push_back(p == nullptr ? "" : Format("%+.3e", p->value));
       row.push_back(p == nullptr ? "" : Percent(p->RelativeSigmaPercent()));
       if (&e == first) continue;

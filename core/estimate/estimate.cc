@@ -40,6 +40,13 @@ double ParameterEstimate::RelativeSigmaPercent() const {
   return value == 0.0 ? std::numeric_limits<double>::infinity() : 100.0 * standard_deviation / std::abs(value);
 }
 
+const ParameterEstimate* Estimate::Find(const std::string& name) const {
+  for (const ParameterEstimate& p : parameters) {
+    if (p.parameter.name == name) return &p;
+  }
+  return nullptr;
+}
+
 void SetInterval95(double degrees_of_freedom, ParameterEstimate* estimate, double factor) {
   const double t = factor * boost::math::quantile(boost::math::students_t(degrees_of_freedom), 0.975);
   estimate->interval95[0] = estimate->value - t * estimate->standard_deviation;

@@ -73,6 +73,9 @@ struct Estimate {
   std::string start;          // of an iterative estimator: where from, and how it ended
   std::string preprocessing;  // how the cut-off and the decimation were chosen
   double seconds = 0.0;
+
+  // nullptr where there is no such parameter.
+  const ParameterEstimate* Find(const std::string& name) const;
 };
 
 // Deterministic but for "seconds".

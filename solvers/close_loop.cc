@@ -99,6 +99,10 @@ std::vector<MovedParameter> MovedBetween(const EffectFit& before, const EffectFi
   return moved;
 }
 
+bool Has(const std::vector<ActiveEffect>& effects, const ActiveEffect& one) {
+  return std::any_of(effects.begin(), effects.end(), [&](const ActiveEffect& other) { return SameEffect(other, one); });
+}
+
 class Loop {
  public:
   Loop(const LoopOptions& options, Judged declared) : options_(options), model_(std::move(declared)) {}
@@ -106,13 +110,11 @@ class Loop {
   const Judged& model() const { return model_; }
 
   // Adds one effect. False: nothing passes.
-  Result<bool> Add(LoopResult* result) {
+  bool Add(LoopResult* result) {
     const EffectScan scan = Scan(model_, {});
     std::vector<EffectCandidate> passing;
     for (const EffectCandidate& candidate : scan.candidates) {
-      const bool aside = std::any_of(aside_.begin(), aside_.end(),
-                                     [&](const ActiveEffect& effect) { return SameEffect(effect, candidate.effect); });
-      if (!aside && Passes(candidate)) passing.push_back(candidate);
+      if (!Has(aside_, candidate.effect) && Passes(candidate)) passing.push_back(candidate);
     }
     while (!passing.empty()) {
       const size_t chosen = Choose(passing);
@@ -193,14 +195,11 @@ class Loop {
     return chosen;
   }
 
-  // Explains the same: what is left of b's columns beside a explains less than half of what b does alone.
+  // Explains the same: their columns point half of the way in the same directions, or more.
   static bool Overlap(const EffectCandidate& a, const EffectCandidate& b) {
-    return (a.remainder.transpose() * b.remainder).squaredNorm() > 0.0 && SharedShare(a, b) > 0.5;
-  }
-  static double SharedShare(const EffectCandidate& a, const EffectCandidate& b) {
-    // Cosines between the spaces, weighted by nothing: both are orthonormal.
-    return (a.remainder.transpose() * b.remainder).squaredNorm() /
-           static_cast<double>(std::min(a.remainder.cols(), b.remainder.cols()));
+    // Mean squared cosine between the spaces, of which both have orthonormal columns.
+    return (a.remainder.transpose() * b.remainder).squaredNorm() >
+           0.5 * static_cast<double>(std::min(a.remainder.cols(), b.remainder.cols()));
   }
 
   Result<EffectFit> With(const ActiveEffect& effect) const {
@@ -255,9 +254,6 @@ class Loop {
     const EffectScan scan = Scan(without, effect.joints);
     for (const EffectCandidate& candidate : scan.candidates) {
       if (SameEffect(candidate.effect, effect) || !Passes(candidate)) continue;
-      const bool active = std::any_of(without.fit.prepared.effects.begin(), without.fit.prepared.effects.end(),
-                                      [&](const ActiveEffect& other) { return SameEffect(other, candidate.effect); });
-      if (active) continue;
       std::vector<ActiveEffect> effects = without.fit.prepared.effects;
       effects.push_back(candidate.effect);
       Result<EffectFit> fit = Refit(without.fit, effects);
@@ -269,10 +265,8 @@ class Loop {
       result->dropped.push_back(EffectTitle(effect) + " is replaced by " + EffectTitle(candidate.effect) +
                                 ", which explains more beside what was found later");
       Forget(effect, result);
-      std::vector<EffectCandidate> passing = {candidate};
-      Judged model = std::move(model_);
       model_ = std::move(without);
-      Record(scan, passing, 0, next, result);
+      Record(scan, {candidate}, 0, next, result);
       model_ = std::move(next);
       return true;
     }
@@ -329,9 +323,7 @@ Result<LoopResult> CloseLoop(const PreparedStudy& as_recorded, const LoopOptions
   for (int sweep = 0; sweep <= kSweeps; ++sweep) {
     bool added = false;
     while (static_cast<int>(loop.model().fit.prepared.effects.size()) < options.max_effects) {
-      const Result<bool> more = loop.Add(&result);
-      if (!more.ok()) return more.status();
-      if (!*more) break;
+      if (!loop.Add(&result)) break;
       added = true;
     }
     if (sweep == kSweeps || (sweep > 0 && !added) || !loop.Reconsider(&result)) break;

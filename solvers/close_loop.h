@@ -16,8 +16,8 @@
 // Held-out error: folds of contiguous blocks of the identification recordings. Validation recordings are never looked
 // at while choosing; where there are some, `validation` errors are theirs, else those of the folds.
 //
-// Rivals of a step: candidates that passed as well, explain the same (added to the chosen one they explain less than
-// half of what they did alone), and are not worse by two standard errors of the folds: the data cannot tell them apart.
+// Rivals of a step: candidates that passed as well, explain the same (mean squared cosine between their columns and
+// the chosen one's above 0.5), and are not worse by two standard errors of the folds: the data cannot tell them apart.
 
 #ifndef IDIM_SOLVERS_CLOSE_LOOP_H_
 #define IDIM_SOLVERS_CLOSE_LOOP_H_

@@ -133,6 +133,7 @@ void SetCovariance(BundleProblem* problem, const BundleData& data, const Iterate
   const MatrixXd inverse = InverseOf(sensitivity.curvature);
   const double variance = HuberNorm{options.huber_threshold * std::sqrt(data.dof)}.VarianceFactor(data.dof);
   summary->covariance = inverse * inverse.transpose() * variance;
+  if (!options.inference) return;
   const MatrixXd noise = problem->NoiseInformation(iterate.theta, iterate.sigma, kNoiseSamples);
   const MatrixXd bread = InverseWithout(HeldShares(noise, inverse, &summary->noise_share), inverse);
   MatrixXd middle = sensitivity.curvature.transpose() * sensitivity.curvature * variance;

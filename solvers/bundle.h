@@ -73,6 +73,7 @@ struct BundleOptions {
   std::vector<BundlePrior> priors;
   double huber_threshold = 0.0;   // in standard deviations: of the norm, divided by sqrt(n); 0: no loss
   int hac_lag = -1;               // >= 0, or -1: chosen from the scores
+  bool inference = true;          // false: of the covariances only `covariance` is computed; for a fit on the way
   double rank_tolerance = 1e-10;  // as GainOptions::rank_tolerance, of the whitened rows
 
   bool IsValid(std::string* error) const;

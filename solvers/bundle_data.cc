@@ -52,6 +52,30 @@ void AddRecording(const PreparedRecording& recording, const PreparedStudy& prepa
   });
 }
 
+// declared: as the study says, priors: those of parameters that it releases, too.
+Status SetPriors(const Study& declared, const std::vector<Prior>& priors, BundleData* data) {
+  for (size_t p = 0; p < data->payload_columns.size(); ++p) {
+    for (int k = 0; k < kNumInertial; ++k) {
+      const Payload& payload = declared.payloads[p];
+      if (data->payload_columns[p][k] < 0 || !payload.standard_deviation[k]) continue;
+      data->priors.push_back(
+          {data->num_gains() + data->payload_columns[p][k], *payload.known[k], *payload.standard_deviation[k]});
+    }
+  }
+  for (const Prior& prior : priors) {
+    const auto found = std::find_if(data->unknowns.begin(), data->unknowns.end(),
+                                    [&](const Parameter& unknown) { return unknown.name == prior.parameter; });
+    if (found == data->unknowns.end()) {
+      std::vector<std::string> names;
+      for (const Parameter& unknown : data->unknowns) names.push_back(unknown.name);
+      return Status::BadInput(prior.where + ": '" + prior.parameter +
+                              "' is not identified by this study; expected one of " + Join(names, " "));
+    }
+    data->priors.push_back({static_cast<int>(found - data->unknowns.begin()), prior.value, prior.standard_deviation});
+  }
+  return Status::Ok();
+}
+
 }  // namespace
 
 bool AreValid(const std::vector<BundlePrior>& priors, std::string* error) {
@@ -102,25 +126,51 @@ Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
     });
     data.coulomb_columns.push_back(found == of_base.end() ? -1 : static_cast<int>(found - of_base.begin()));
   }
-  for (size_t p = 0; p < data.payload_columns.size(); ++p) {
-    for (int k = 0; k < kNumInertial; ++k) {
-      const Payload& payload = prepared.study.payloads[p];
-      if (data.payload_columns[p][k] < 0 || !payload.standard_deviation[k]) continue;
-      data.priors.push_back(
-          {data.num_gains() + data.payload_columns[p][k], *payload.known[k], *payload.standard_deviation[k]});
+  if (Status status = SetPriors(prepared.study, study.priors, &data); !status.ok()) return status;
+  return data;
+}
+
+BundleData WithEffectsOf(const PreparedStudy& prepared, const BundleData& before) {
+  const int base = prepared.base.size(), effects = static_cast<int>(prepared.effect_parameters.size());
+  const int had = before.num_base - base, more = effects - had;
+  BundleData data = before;
+  data.num_base = base + effects;
+  const auto first = data.unknowns.begin() + data.num_gains() + base;
+  data.unknowns.erase(first, first + had);
+  data.unknowns.insert(data.unknowns.begin() + data.num_gains() + base, prepared.effect_parameters.begin(),
+                       prepared.effect_parameters.end());
+  for (auto& columns : data.payload_columns) {
+    for (int& column : columns) column += column >= 0 ? more : 0;
+  }
+  data.priors.clear();
+  for (BundlePrior prior : before.priors) {
+    const std::string& name = before.unknowns[static_cast<size_t>(prior.unknown)].name;
+    for (prior.unknown = 0; prior.unknown < data.num_unknowns(); ++prior.unknown) {
+      if (data.unknowns[static_cast<size_t>(prior.unknown)].name != name) continue;
+      data.priors.push_back(prior);
+      break;
     }
   }
-  for (const Prior& prior : study.priors) {
-    const auto found = std::find_if(data.unknowns.begin(), data.unknowns.end(),
-                                    [&](const Parameter& unknown) { return unknown.name == prior.parameter; });
-    if (found == data.unknowns.end()) {
-      std::vector<std::string> names;
-      for (const Parameter& unknown : data.unknowns) names.push_back(unknown.name);
-      return Status::BadInput(prior.where + ": '" + prior.parameter +
-                              "' is not identified by this study; expected one of " + Join(names, " "));
+  const Eigen::Index payload = before.num_columns() - before.num_base;
+  auto sample = data.samples.begin();
+  for (const PreparedRecording& recording : prepared.recordings) {
+    if (recording.entry.use != Use::kIdentification) continue;
+    std::vector<MatrixXd> decimated;
+    for (const EffectEntry& entry : recording.effects) decimated.push_back(recording.decimator.Apply(entry.torque));
+    const Eigen::Index count = recording.decimator.times().size();
+    for (Eigen::Index k = 0; k < count; ++k, ++sample) {
+      auto& columns = sample->columns;
+      const MatrixXd was = columns;
+      columns.setZero(data.dof, data.num_columns());
+      columns.leftCols(base) = was.leftCols(base);
+      columns.rightCols(payload) = was.rightCols(payload);
+      for (size_t e = 0; e < recording.effects.size(); ++e) {
+        const EffectEntry& entry = recording.effects[e];
+        columns(entry.joint, base + entry.parameter) += decimated[e](k, 0);
+      }
     }
-    data.priors.push_back({static_cast<int>(found - data.unknowns.begin()), prior.value, prior.standard_deviation});
   }
+  CHECK(sample == data.samples.end());
   return data;
 }
 

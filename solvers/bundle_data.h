@@ -75,6 +75,9 @@ struct BundleData {
 // BuildGainSystem where gains are unknown; a prior on a parameter that is not among the unknowns.
 Result<BundleData> BuildBundleData(const PreparedStudy& prepared);
 
+// The same for a study whose effects alone have changed since `before` was built, without a pass over the recordings.
+BundleData WithEffectsOf(const PreparedStudy& prepared, const BundleData& before);
+
 // The covariance of the whole state vector of a sample, 3n x 3n in the order of BundleSample::state.
 Eigen::MatrixXd StateCovarianceOf(const BundleData& data, int recording);
 

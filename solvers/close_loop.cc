@@ -122,13 +122,14 @@ class Loop {
       Result<EffectFit> fit = With(passing[chosen].effect);
       if (fit.ok()) {
         Judged next(std::move(fit).value());
-        if (IsBetter(model_, next, passing[chosen].effect.joints)) {
+        if (!Has(OfWrongSign(next.fit), passing[chosen].effect) &&
+            IsBetter(model_, next, passing[chosen].effect.joints)) {
           Record(scan, passing, chosen, next, result);
           model_ = std::move(next);
           return true;
         }
       }
-      Say((fit.ok() ? "no better with " : fit.status().message() + ": ") + EffectTitle(passing[chosen].effect));
+      Say((fit.ok() ? "no better with " : "no fit with ") + EffectTitle(passing[chosen].effect));
       aside_.push_back(passing[chosen].effect);
       passing.erase(passing.begin() + static_cast<std::ptrdiff_t>(chosen));
     }
@@ -138,21 +139,25 @@ class Loop {
   // Drops or replaces effects beside all others. False: nothing changed.
   bool Reconsider(LoopResult* result) {
     bool changed = false;
+    for (const ActiveEffect& effect : OfWrongSign(model_.fit)) {
+      Result<EffectFit> fit = Without(effect);
+      if (!fit.ok()) continue;
+      Drop(effect, " came out negative beside what was found later, which it cannot be", Judged(std::move(fit).value()),
+           result);
+      changed = true;
+    }
     for (size_t e = 0; e < model_.fit.prepared.effects.size();) {
       const ActiveEffect effect = model_.fit.prepared.effects[e];
       Say("is " + EffectTitle(effect) + " needed beside the others?");
-      std::vector<ActiveEffect> others = model_.fit.prepared.effects;
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(e));
-      Result<EffectFit> fit = Refit(model_.fit, others);
+      Result<EffectFit> fit = Without(effect);
       if (!fit.ok()) {
         ++e;
         continue;
       }
       Judged without(std::move(fit).value());
-      if (!IsBetter(without, model_, effect.joints)) {
-        result->dropped.push_back(EffectTitle(effect) + " is not needed beside what was found later");
-        Forget(effect, result);
-        model_ = std::move(without);
+      // A model in which another effect turns its sign is none to go back to.
+      if (OfWrongSign(without.fit).empty() && !IsBetter(without, model_, effect.joints)) {
+        Drop(effect, " is not needed beside what was found later", std::move(without), result);
         changed = true;
         continue;
       }
@@ -208,6 +213,20 @@ class Loop {
     return Refit(model_.fit, effects);
   }
 
+  Result<EffectFit> Without(const ActiveEffect& effect) const {
+    std::vector<ActiveEffect> others;
+    for (const ActiveEffect& other : model_.fit.prepared.effects) {
+      if (!SameEffect(other, effect)) others.push_back(other);
+    }
+    return Refit(model_.fit, others);
+  }
+
+  void Drop(const ActiveEffect& effect, const std::string& why, Judged without, LoopResult* result) {
+    result->dropped.push_back(EffectTitle(effect) + why);
+    Forget(effect, result);
+    model_ = std::move(without);
+  }
+
   // The held-out error of `with` is below that of `without` by the margin and by more than the folds' uncertainty.
   bool IsBetter(const Judged& without, const Judged& with, const std::vector<int>& joints) const {
     const VectorXd squares = HeldOutByFold(without.residual, without, joints);
@@ -257,7 +276,7 @@ class Loop {
       std::vector<ActiveEffect> effects = without.fit.prepared.effects;
       effects.push_back(candidate.effect);
       Result<EffectFit> fit = Refit(without.fit, effects);
-      if (!fit.ok()) continue;
+      if (!fit.ok() || Has(OfWrongSign(*fit), candidate.effect)) continue;
       Judged next(std::move(fit).value());
       const VectorXd gain =
           HeldOutByFold(without.residual, model_, effect.joints) - HeldOutByFold(without.residual, next, effect.joints);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "solvers/active_effects.h"
+#include "solvers/bundle_problem.h"
 
 namespace idim {
 namespace {
@@ -14,11 +15,12 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kMaxRounds = 5;
+constexpr int kMaxRounds = 8;
 // Settled: no shape would move by more than this many of its standard deviations.
 constexpr double kSettled = 0.1;
 // Without a value that is this many standard deviations from zero nothing tells a shape.
 constexpr double kTold = 2.0;
+constexpr int kHalvings = 3;
 
 // The values of `from` by name; unknowns that it does not have begin at zero.
 VectorXd StartFrom(const BundleData& from, const VectorXd& values, const BundleData& to) {
@@ -32,14 +34,54 @@ VectorXd StartFrom(const BundleData& from, const VectorXd& values, const BundleD
   return start;
 }
 
-// Takes values of effects from a solved bundle and moves their shapes. Returns the largest move in standard deviations.
-double UpdateEffects(const EffectFit& fit, const std::vector<EffectMotion>& motions,
-                     std::vector<ActiveEffect>* effects) {
+bool IsFree(const ActiveEffect& active) { return active.values.size() > 0 && active.shape.size() > 0; }
+
+// `from` with the columns of other effects, unsolved. *values: unknowns of `from`, become those of the result; steps of
+// shapes are zero.
+EffectFit WithColumns(const EffectFit& from, const std::vector<ActiveEffect>& effects,
+                      const std::vector<EffectMotion>& motions, VectorXd* values) {
+  EffectFit fit = from;
+  SetEffects(effects, motions, &fit.prepared);
+  fit.data = WithEffectsOf(fit.prepared, from.data);
+  *values = StartFrom(from.data, *values, fit.data);
+  const std::vector<int> first = FirstParameters(fit.prepared);
+  for (size_t e = 0; e < effects.size(); ++e) {
+    const Index linear =
+        static_cast<Index>(effects[e].effect->Parameters(fit.prepared.study.robot, effects[e].joints).size());
+    const Index at = fit.data.num_gains() + fit.prepared.base.size() + first[e];
+    values->segment(at + linear, first[e + 1] - first[e] - linear).setZero();
+  }
+  return fit;
+}
+
+BundleSummary Solve(const EffectFit& fit, const VectorXd& start, bool inference) {
+  BundleOptions options;
+  options.priors = fit.data.priors;
+  options.signal_sigma = fit.summary.signal_sigma;
+  options.inference = inference;
+  return SolveBundle(fit.prepared.base, fit.data, start, options);
+}
+
+// What the bundle minimises, by given weights. friction: unknowns whose Coulomb friction holds at rest.
+double Cost(const EffectFit& fit, const VectorXd& values, const VectorXd& friction, const VectorXd& sigma) {
+  BundleProblem problem(fit.prepared.base, fit.data, fit.data.priors, HuberNorm{});
+  problem.HoldFriction(friction);
+  return problem.Evaluate(values, sigma).cost;
+}
+
+// The effects with the values of a solved bundle, their shapes moved by its steps.
+struct Move {
+  std::vector<ActiveEffect> effects;
+  double largest = 0.0;        // move of a shape, in standard deviations
+  std::vector<bool> at_limit;  // effects with a shape that stands at its limit and would go beyond
+};
+
+Move MoveOf(const EffectFit& fit, const std::vector<EffectMotion>& motions) {
+  Move move{fit.prepared.effects, 0.0, std::vector<bool>(fit.prepared.effects.size(), false)};
   const std::vector<int> first = FirstParameters(fit.prepared);
   const int begin = fit.data.num_gains() + fit.prepared.base.size();
-  double largest = 0.0;
-  for (size_t e = 0; e < effects->size(); ++e) {
-    ActiveEffect& active = (*effects)[e];
+  for (size_t e = 0; e < move.effects.size(); ++e) {
+    ActiveEffect& active = move.effects[e];
     const int linear = static_cast<int>(active.effect->Parameters(fit.prepared.study.robot, active.joints).size());
     const std::vector<ShapeParameter> shapes = active.effect->Shapes(motions, active.joints);
     const Index at = begin + first[e];
@@ -54,13 +96,35 @@ double UpdateEffects(const EffectFit& fit, const std::vector<EffectMotion>& moti
       // Not further than half of where it stands, nor beyond its limits.
       const double reach = 0.5 * std::max(std::abs(active.shape[s]), 1e-3 * (shapes[s].upper - shapes[s].lower));
       const double step = std::clamp(fit.summary.values[unknown], -reach, reach);
-      const double next = std::clamp(active.shape[s] + step, shapes[s].lower, shapes[s].upper);
-      largest = std::max(largest, std::abs(next - active.shape[s]) / deviation);
+      const double next = shapes[s].Within(active.shape[s], active.shape[s] + step);
+      move.at_limit[e] = move.at_limit[e] || (next == active.shape[s] && std::abs(step) > kSettled * deviation);
+      move.largest = std::max(move.largest, std::abs(next - active.shape[s]) / deviation);
       active.shape[s] = next;
     }
     active.values = told > kTold ? VectorXd(fit.summary.values.segment(at, linear)) : VectorXd();
   }
-  return largest;
+  return move;
+}
+
+// Halves the way from `start` to the solution of `fit`, until the cost with the columns of the moved shapes is below
+// that of the start. False: it never is.
+bool Backtrack(const EffectFit& fit, const VectorXd& start, const std::vector<EffectMotion>& motions, Move* move) {
+  const VectorXd& sigma = fit.summary.signal_sigma;
+  const double before = Cost(fit, start, start, sigma);
+  double part = 1.0;
+  for (int k = 0; k <= kHalvings; ++k, part *= 0.5) {
+    std::vector<ActiveEffect> trial = fit.prepared.effects;
+    for (size_t e = 0; e < trial.size(); ++e) {
+      trial[e].shape += part * (move->effects[e].shape - trial[e].shape);
+      trial[e].values.resize(0);
+    }
+    VectorXd values = start + part * (fit.summary.values - start);
+    const EffectFit moved = WithColumns(fit, trial, motions, &values);
+    if (!(Cost(moved, values, StartFrom(fit.data, start, moved.data), sigma) <= before)) continue;
+    for (size_t e = 0; e < trial.size(); ++e) move->effects[e].shape = trial[e].shape;
+    return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -81,51 +145,51 @@ Result<EffectFit> FitDeclared(const PreparedStudy& prepared) {
 Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& effects) {
   EffectFit fit = from;
   std::vector<ActiveEffect> now = effects;
-  std::vector<bool> held(now.size(), false);  // shapes that nothing in the data tells
+  std::vector<bool> held(now.size(), false);  // shapes that nothing in the data tells, or that stand at a limit
+  VectorXd start;
   for (int round = 0; round < kMaxRounds; ++round) {
     const std::vector<EffectMotion> motions = MotionsOf(fit.prepared, fit.Arm());
-    EffectFit last = fit;
-    const BundleData before = std::move(fit.data);
-    const VectorXd values = fit.summary.values;
-    SetEffects(now, motions, &fit.prepared);
-    Result<BundleData> data = BuildBundleData(fit.prepared);
-    if (!data.ok()) return data.status();
-    fit.data = std::move(data).value();
-    BundleOptions options;
-    options.priors = fit.data.priors;
-    options.signal_sigma = fit.summary.signal_sigma;
-    VectorXd start = StartFrom(before, values, fit.data);
-    // A step of a shape has been taken: what is left to take is zero.
-    const std::vector<int> first = FirstParameters(fit.prepared);
-    for (size_t e = 0; e < now.size(); ++e) {
-      const Index linear =
-          static_cast<Index>(now[e].effect->Parameters(fit.prepared.study.robot, now[e].joints).size());
-      const Index at = fit.data.num_gains() + fit.prepared.base.size() + first[e];
-      start.segment(at + linear, first[e + 1] - first[e] - linear).setZero();
-    }
-    fit.summary = SolveBundle(fit.prepared.base, fit.data, start, options);
-    if (!fit.summary.IsSolutionUsable()) {
+    start = fit.summary.values;
+    EffectFit next = WithColumns(fit, now, motions, &start);
+    next.summary = Solve(next, start, false);
+    if (!next.summary.IsSolutionUsable()) {
       // A shape whose change moves no sample's torque (an instant between two samples) makes the bundle singular. The
       // newest that is free is held.
       size_t e = now.size();
-      while (e > 0 && (now[e - 1].values.size() == 0 || now[e - 1].shape.size() == 0)) --e;
-      if (e == 0) return fit.summary.status;
+      while (e > 0 && !IsFree(now[e - 1])) --e;
+      if (e == 0) return next.summary.status;
       held[e - 1] = true;
       now[e - 1].values.resize(0);
-      fit = std::move(last);
       continue;
     }
-    std::vector<ActiveEffect> next = now;
-    const double moved = UpdateEffects(fit, motions, &next);
-    for (size_t e = 0; e < next.size(); ++e) {
-      if (held[e]) next[e].values.resize(0);
+    Move move = MoveOf(next, motions);
+    if (std::find(move.at_limit.begin(), move.at_limit.end(), true) != move.at_limit.end()) {
+      for (size_t e = 0; e < now.size(); ++e) {
+        if (!move.at_limit[e]) continue;
+        held[e] = true;
+        now[e].values.resize(0);
+      }
+      continue;
     }
-    const bool same_columns = std::equal(now.begin(), now.end(), next.begin(), [](const auto& a, const auto& b) {
-      return (a.values.size() > 0) == (b.values.size() > 0);
-    });
-    if (round > 0 && same_columns && moved < kSettled) break;
-    now = std::move(next);
+    if (move.largest >= kSettled && !Backtrack(next, start, motions, &move)) {
+      // No way along the steps is better: the shapes stay where they are.
+      for (size_t e = 0; e < now.size(); ++e) {
+        held[e] = held[e] || move.effects[e].shape != now[e].shape;
+        move.effects[e].shape = now[e].shape;
+      }
+    }
+    for (size_t e = 0; e < now.size(); ++e) {
+      if (held[e]) move.effects[e].values.resize(0);
+    }
+    const bool same_columns =
+        std::equal(now.begin(), now.end(), move.effects.begin(),
+                   [](const auto& a, const auto& b) { return (a.values.size() > 0) == (b.values.size() > 0); });
+    fit = std::move(next);
+    if (round > 0 && same_columns && move.largest < kSettled) break;
+    now = std::move(move.effects);
   }
+  if (!fit.summary.IsSolutionUsable()) return fit.summary.status;
+  fit.summary = Solve(fit, fit.summary.values, true);
   if (!fit.summary.IsSolutionUsable()) return fit.summary.status;
   // The shapes that the columns have, the values that they were found with.
   const std::vector<int> first = FirstParameters(fit.prepared);
@@ -136,6 +200,19 @@ Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& 
         fit.summary.values.segment(fit.data.num_gains() + fit.prepared.base.size() + first[e], active.values.size());
   }
   return fit;
+}
+
+std::vector<ActiveEffect> OfWrongSign(const EffectFit& fit) {
+  std::vector<ActiveEffect> wrong;
+  const std::vector<int> first = FirstParameters(fit.prepared);
+  for (size_t e = 0; e < fit.prepared.effects.size(); ++e) {
+    const ActiveEffect& active = fit.prepared.effects[e];
+    if (!active.effect->non_negative()) continue;
+    const Index linear = static_cast<Index>(active.effect->Parameters(fit.prepared.study.robot, active.joints).size());
+    const Index at = fit.data.num_gains() + fit.prepared.base.size() + first[e];
+    if (fit.summary.values.segment(at, linear).minCoeff() < 0.0) wrong.push_back(active);
+  }
+  return wrong;
 }
 
 Identification IdentificationOf(const EffectFit& fit) {

@@ -27,8 +27,12 @@ Result<EffectFit> FitDeclared(const PreparedStudy& prepared);
 
 // From the minimum of `from`, with other effects: those that it has keep their values and shapes, new ones begin at
 // zero with the shape given. Columns that rest on the model's torque are computed from the fit before, and shapes move
-// by Gauss-Newton, until both have settled. Untrusted: the bundle says so.
+// by Gauss-Newton, backtracking, until both have settled. A shape that the data do not tell, or that no step makes
+// better, is held: other parameters are then conditional on it. Untrusted: the bundle says so.
 Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& effects);
+
+// Effects of `fit` with a negative value, where it cannot be.
+std::vector<ActiveEffect> OfWrongSign(const EffectFit& fit);
 
 // The estimate and its predictions; shapes with their values.
 Identification IdentificationOf(const EffectFit& fit);

@@ -69,7 +69,8 @@ class Columns {
   // Of the recordings for identification.
   const std::vector<EffectMotion>& motions() const { return recorded_; }
 
-  MatrixXd Remainder(const Place& place, const VectorXd& shape, bool recorded) const {
+  // Whitened, samples n x parameters.
+  MatrixXd Whitened(const Place& place, const VectorXd& shape, bool recorded) const {
     const Index parameters = static_cast<Index>(place.effect->Parameters(prepared_.study.robot, place.joints).size());
     const int n = residual_.dof();
     std::vector<MatrixXd> torques(static_cast<size_t>(n));
@@ -94,7 +95,7 @@ class Columns {
       joints.push_back(j);
       used.push_back(std::move(torques[static_cast<size_t>(j)]));
     }
-    return residual_.Remainder(residual_.Whiten(joints, used), recorded ? 2 : 1);
+    return residual_.Whiten(joints, used);
   }
 
  private:
@@ -127,31 +128,61 @@ class ShapeSearch {
     // One coordinate after the other, from the middle of its grid.
     double explained = 0.0;
     for (size_t s = 0; s < shapes_.size(); ++s) {
-      VectorXd trial = shape;
-      explained = -1.0;
-      for (const double value : shapes_[s].grid) {
-        trial[static_cast<Index>(s)] = value;
-        const double now = Explained(trial, false);
-        ++*tried;
-        if (now > explained) {
-          explained = now;
-          shape[static_cast<Index>(s)] = value;
-        }
-      }
+      const std::vector<double> over_grid = OverGrid(static_cast<Index>(s), shape);
+      const auto largest = std::max_element(over_grid.begin(), over_grid.end());
+      explained = *largest;
+      shape[static_cast<Index>(s)] = shapes_[s].grid[static_cast<size_t>(largest - over_grid.begin())];
+      *tried += static_cast<int>(over_grid.size());
     }
     if (shapes_.empty()) ++*tried;
     if (shapes_.empty() || explained > kWorthALook) {
       for (size_t s = 0; s < shapes_.size(); ++s) Refine(static_cast<Index>(s), &shape);
-      best.remainder = columns_.Remainder(place_, shape, true);
-      best.explained = residual_.Explained(best.remainder);
+      const MatrixXd whitened = columns_.Whitened(place_, shape, true);
+      if (Allowed(residual_.Explain(whitened, whitened.cols())[0]) > 0.0) {
+        best.remainder = residual_.Remainder(whitened);
+        best.explained = residual_.Explained(best.remainder);
+      }
     }
     best.parameters = static_cast<int>(best.remainder.cols() + static_cast<Index>(shapes_.size()));
     return best;
   }
 
  private:
-  double Explained(const VectorXd& shape, bool recorded) const {
-    return residual_.Explained(columns_.Remainder(place_, shape, recorded));
+  // What it explains, as long as its parameters have the sign that physics allows.
+  double Allowed(const ResidualModel::Explanation& explanation) const {
+    const bool wrong =
+        place_.effect->non_negative() && explanation.step.size() > 0 && explanation.step.minCoeff() < 0.0;
+    return wrong ? 0.0 : explanation.explained;
+  }
+
+  // At each value on the grid of shape s, the others as they are; by decimated states.
+  std::vector<double> OverGrid(Index s, VectorXd shape) const {
+    constexpr size_t kAtOnce = 16;
+    const std::vector<double>& grid = shapes_[static_cast<size_t>(s)].grid;
+    std::vector<double> explained;
+    for (size_t first = 0; first < grid.size(); first += kAtOnce) {
+      const size_t count = std::min(kAtOnce, grid.size() - first);
+      MatrixXd all;
+      Index width = 0;
+      for (size_t k = 0; k < count; ++k) {
+        shape[s] = grid[first + k];
+        const MatrixXd whitened = columns_.Whitened(place_, shape, false);
+        if (k == 0) {
+          width = whitened.cols();
+          all.resize(whitened.rows(), width * static_cast<Index>(count));
+        }
+        all.middleCols(static_cast<Index>(k) * width, width) = whitened;
+      }
+      for (const ResidualModel::Explanation& explanation : residual_.Explain(all, width)) {
+        explained.push_back(Allowed(explanation));
+      }
+    }
+    return explained;
+  }
+
+  double Explained(const VectorXd& shape) const {
+    const MatrixXd whitened = columns_.Whitened(place_, shape, true);
+    return Allowed(residual_.Explain(whitened, whitened.cols())[0]);
   }
 
   // Golden section between the neighbours on the grid.
@@ -160,13 +191,15 @@ class ShapeSearch {
     constexpr int kRefinements = 6;
     const std::vector<double>& grid = shapes_[static_cast<size_t>(s)].grid;
     const size_t point = static_cast<size_t>(std::lower_bound(grid.begin(), grid.end(), (*shape)[s]) - grid.begin());
-    double low = grid[point > 0 ? point - 1 : point], high = grid[point + 1 < grid.size() ? point + 1 : point];
+    const ShapeParameter& parameter = shapes_[static_cast<size_t>(s)];
+    double low = parameter.Within((*shape)[s], grid[point > 0 ? point - 1 : point]);
+    double high = parameter.Within((*shape)[s], grid[point + 1 < grid.size() ? point + 1 : point]);
     if (!(high > low)) return;
     VectorXd trial = *shape;
-    double best = Explained(trial, true);
+    double best = Explained(trial);
     const auto at = [&](double value) {
       trial[s] = value;
-      const double explained = Explained(trial, true);
+      const double explained = Explained(trial);
       if (explained > best) {
         best = explained;
         (*shape)[s] = value;

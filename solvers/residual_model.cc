@@ -2,7 +2,6 @@
 
 #include <glog/logging.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
@@ -16,6 +15,37 @@ namespace idim {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+namespace {
+
+// A column of which no more than this is left beside the others is one that they imitate.
+constexpr double kImitated = 0.02;
+
+// gram, scores: of columns of unit norm, less what the model's own columns imitate. Cholesky, column by column; one
+// that is imitated is left out.
+ResidualModel::Explanation Solve(const MatrixXd& gram, const VectorXd& scores) {
+  const Index width = scores.size();
+  std::vector<Index> kept;
+  for (Index a = 0; a < width; ++a) {
+    const Index n = static_cast<Index>(kept.size());
+    double rest = gram(a, a);
+    if (n > 0) {
+      const VectorXd mixed = gram(kept, a);
+      rest -= mixed.dot(gram(kept, kept).ldlt().solve(mixed));
+    }
+    if (rest >= kImitated * kImitated) kept.push_back(a);
+  }
+  ResidualModel::Explanation result;
+  result.step = VectorXd::Zero(width);
+  if (kept.empty()) return result;
+  const VectorXd of_kept = scores(kept);
+  const VectorXd step = gram(kept, kept).ldlt().solve(of_kept);
+  result.explained = of_kept.dot(step);
+  for (size_t k = 0; k < kept.size(); ++k) result.step[kept[k]] = -step[static_cast<Index>(k)];
+  return result;
+}
+
+}  // namespace
 
 ResidualModel::ResidualModel(const PreparedStudy& prepared, const BundleData& data, const BundleSummary& summary,
                              int folds)
@@ -39,11 +69,32 @@ ResidualModel::ResidualModel(const PreparedStudy& prepared, const BundleData& da
     to_torque_.push_back(of_torque_[static_cast<size_t>(k)].inverse());
     torque_.row(k) = data.inverse_drive.inverse() * gains.cwiseProduct(data.samples[static_cast<size_t>(k)].signal);
   }
+  SetFolds();
+}
+
+void ResidualModel::SetFolds() {
   fold_.resize(static_cast<size_t>(samples()));
+  fold_spells_.resize(static_cast<size_t>(folds_));
   for (const auto& [begin, end] : recordings_) {
     for (Index k = begin; k < end; ++k) {
-      fold_[static_cast<size_t>(k)] = static_cast<int>((k - begin) * folds_ / (end - begin));
+      const auto f = static_cast<size_t>((k - begin) * folds_ / (end - begin));
+      fold_[static_cast<size_t>(k)] = static_cast<int>(f);
+      SampleRanges& spells = fold_spells_[f];
+      if (spells.empty() || spells.back().second != k || k == begin) spells.push_back({k, k});
+      spells.back().second = k + 1;
     }
+  }
+  in_space_ = q_.transpose() * residual_;
+  for (const SampleRanges& spells : fold_spells_) {
+    MatrixXd normal = MatrixXd::Identity(q_.cols(), q_.cols());
+    VectorXd right = in_space_;
+    for (const auto& [begin, end] : spells) {
+      const auto rows = q_.middleRows(begin * dof_, (end - begin) * dof_);
+      normal.noalias() -= rows.transpose() * rows;
+      right -= rows.transpose() * residual_.segment(begin * dof_, (end - begin) * dof_);
+    }
+    fold_normal_.push_back(normal.ldlt());
+    fold_right_.push_back(std::move(right));
   }
 }
 
@@ -77,7 +128,6 @@ MatrixXd ResidualModel::Whiten(const std::vector<int>& joints, const std::vector
 }
 
 MatrixXd ResidualModel::Remainder(const MatrixXd& z, int passes) const {
-  constexpr double kTolerance = 0.02;
   MatrixXd result(z.rows(), z.cols());
   Index kept = 0;
   for (Index a = 0; a < z.cols(); ++a) {
@@ -89,7 +139,7 @@ MatrixXd ResidualModel::Remainder(const MatrixXd& z, int passes) const {
       rest -= q_ * (q_.transpose() * rest).eval();
       rest -= result.leftCols(kept) * (result.leftCols(kept).transpose() * rest).eval();
     }
-    if (rest.norm() < kTolerance) continue;
+    if (rest.norm() < kImitated) continue;
     result.col(kept++) = rest.normalized();
   }
   return result.leftCols(kept);
@@ -97,6 +147,25 @@ MatrixXd ResidualModel::Remainder(const MatrixXd& z, int passes) const {
 
 double ResidualModel::Explained(const MatrixXd& remainder) const {
   return (remainder.transpose() * residual_).squaredNorm();
+}
+
+std::vector<ResidualModel::Explanation> ResidualModel::Explain(const MatrixXd& z, Index width) const {
+  CHECK_GT(width, 0);
+  CHECK_EQ(z.cols() % width, 0);
+  const MatrixXd in_space = q_.transpose() * z;
+  const VectorXd scores = z.transpose() * residual_ - in_space.transpose() * in_space_;
+  std::vector<Explanation> result;
+  for (Index first = 0; first < z.cols(); first += width) {
+    const auto columns = z.middleCols(first, width);
+    const auto imitated = in_space.middleCols(first, width);
+    VectorXd scale = columns.colwise().norm().transpose();
+    for (double& norm : scale) norm = norm > 0.0 && std::isfinite(norm) ? 1.0 / norm : 0.0;
+    const MatrixXd gram =
+        scale.asDiagonal() * (columns.transpose() * columns - imitated.transpose() * imitated) * scale.asDiagonal();
+    result.push_back(Solve(gram, scale.cwiseProduct(scores.segment(first, width))));
+    result.back().step.array() *= scale.array();
+  }
+  return result;
 }
 
 ResidualModel::Score ResidualModel::Test(const MatrixXd& remainder) const {
@@ -133,30 +202,38 @@ ResidualModel::Score ResidualModel::Test(const MatrixXd& remainder) const {
 
 ResidualModel::HeldOut ResidualModel::CrossValidate(const MatrixXd& remainder) const {
   const Index c = q_.cols(), p = remainder.cols();
-  MatrixXd d(q_.rows(), c + p);
-  d << q_, remainder;
-  const VectorXd all = d.transpose() * residual_;
+  const VectorXd explained = remainder.transpose() * residual_;
   HeldOut result;
   result.squares = MatrixXd::Zero(folds_, dof_);
   result.residual.resize(samples(), dof_);
   for (int f = 0; f < folds_; ++f) {
-    MatrixXd normal = MatrixXd::Identity(c + p, c + p);
-    VectorXd right = all;
-    for (Index k = 0; k < samples(); ++k) {
-      if (fold_[static_cast<size_t>(k)] != f) continue;
-      Index last = k;
-      while (last + 1 < samples() && fold_[static_cast<size_t>(last + 1)] == f) ++last;
-      const auto rows = d.middleRows(k * dof_, (last - k + 1) * dof_);
-      normal.noalias() -= rows.transpose() * rows;
-      right -= rows.transpose() * residual_.segment(k * dof_, (last - k + 1) * dof_);
-      k = last;
+    const SampleRanges& spells = fold_spells_[static_cast<size_t>(f)];
+    const Eigen::LDLT<MatrixXd>& normal = fold_normal_[static_cast<size_t>(f)];
+    // The unknowns are eliminated before the extra columns (Schur complement).
+    MatrixXd mixed = MatrixXd::Zero(c, p), extra = MatrixXd::Identity(p, p);
+    VectorXd right = explained;
+    for (const auto& [begin, end] : spells) {
+      const auto q = q_.middleRows(begin * dof_, (end - begin) * dof_);
+      const auto z = remainder.middleRows(begin * dof_, (end - begin) * dof_);
+      mixed.noalias() -= q.transpose() * z;
+      extra.noalias() -= z.transpose() * z;
+      right -= z.transpose() * residual_.segment(begin * dof_, (end - begin) * dof_);
     }
-    const VectorXd move = normal.ldlt().solve(right);
-    for (Index k = 0; k < samples(); ++k) {
-      if (fold_[static_cast<size_t>(k)] != f) continue;
-      const VectorXd rest = residual_.segment(k * dof_, dof_) - d.middleRows(k * dof_, dof_) * move;
-      result.squares.row(f) += rest.cwiseAbs2().transpose();
-      result.residual.row(k) = to_torque_[static_cast<size_t>(k)] * rest;
+    VectorXd move = normal.solve(fold_right_[static_cast<size_t>(f)]), move_extra(p);
+    if (p > 0) {
+      const MatrixXd eliminated = normal.solve(mixed);
+      move_extra = (extra - mixed.transpose() * eliminated).ldlt().solve(right - mixed.transpose() * move);
+      move -= eliminated * move_extra;
+    }
+    for (const auto& [begin, end] : spells) {
+      const VectorXd rest = residual_.segment(begin * dof_, (end - begin) * dof_) -
+                            q_.middleRows(begin * dof_, (end - begin) * dof_) * move -
+                            remainder.middleRows(begin * dof_, (end - begin) * dof_) * move_extra;
+      for (Index k = begin; k < end; ++k) {
+        const auto of_sample = rest.segment((k - begin) * dof_, dof_);
+        result.squares.row(f) += of_sample.cwiseAbs2().transpose();
+        result.residual.row(k) = to_torque_[static_cast<size_t>(k)] * of_sample;
+      }
     }
   }
   result.signal = result.residual * drive_.transpose();

@@ -16,6 +16,7 @@
 #ifndef IDIM_SOLVERS_RESIDUAL_MODEL_H_
 #define IDIM_SOLVERS_RESIDUAL_MODEL_H_
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <vector>
 
@@ -56,6 +57,14 @@ class ResidualModel {
 
   double Explained(const Eigen::MatrixXd& remainder) const;
 
+  // The same of whitened columns, without their remainder, and what their parameters would be.
+  struct Explanation {
+    double explained = 0.0;
+    Eigen::VectorXd step;  // of each column's parameter [its unit]; 0: dropped, as in Remainder
+  };
+  // z: samples n x (width candidates), `width` columns a candidate. One a candidate.
+  std::vector<Explanation> Explain(const Eigen::MatrixXd& z, Eigen::Index width) const;
+
   struct Score {
     double statistic = 0.0;
     double p_value = 1.0;
@@ -74,12 +83,20 @@ class ResidualModel {
   HeldOut CrossValidate(const Eigen::MatrixXd& remainder) const;
 
  private:
+  void SetFolds();
+
   int dof_;
   SampleRanges recordings_;
   std::vector<int> fold_;  // of each sample
   int folds_;
   Eigen::MatrixXd q_;  // samples n x c, orthonormal: the space of J
   Eigen::VectorXd residual_;
+  Eigen::VectorXd in_space_;  // c: q_' residual_
+  // Of each fold: the unknowns' normal matrix on the other folds, and its right side.
+  std::vector<Eigen::LDLT<Eigen::MatrixXd>> fold_normal_;
+  std::vector<Eigen::VectorXd> fold_right_;
+  // Spells of samples [begin, end) of each fold.
+  std::vector<SampleRanges> fold_spells_;
   Eigen::MatrixXd drive_;                   // n x n: signal of a torque
   std::vector<Eigen::MatrixXd> of_torque_;  // BundleProblem::Rows
   std::vector<Eigen::MatrixXd> to_torque_;  // inverse

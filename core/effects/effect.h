@@ -68,6 +68,12 @@ struct ShapeParameter {
   std::string unit;
   double lower = 0.0, upper = 0.0;  // limits within which it is refined
   std::vector<double> grid;         // values to begin with, increasing
+  // An open interval inside the limits that is left out, because the declared model imitates the effect there; empty:
+  // none. Refinement stops at its ends.
+  double gap_lower = 0.0, gap_upper = 0.0;
+
+  // `to`, or how far towards it the shape may go from `from` (outside the gap).
+  double Within(double from, double to) const;
 };
 
 enum class EffectSite { kJoint, kJointPair, kArm };
@@ -84,6 +90,9 @@ class Effect {
   virtual EffectDomain domain() const { return EffectDomain::kOther; }
   // A study declares it by its key `friction`: its columns are in the standard model.
   virtual bool in_standard_model() const { return false; }
+  // Its linear parameters cannot be negative: friction would drive its joint, a compliance or a gap turn its sign. An
+  // estimate below zero means that another effect is at work.
+  virtual bool non_negative() const { return false; }
   virtual std::string physics() const = 0;         // one line
   virtual std::string how_to_confirm() const = 0;  // one line: what to do at the robot
 

@@ -34,6 +34,7 @@ class Presliding : public Effect {
   std::string id() const override { return "presliding"; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
+  bool non_negative() const override { return true; }
   std::string physics() const override {
     return "Hysteresis at velocity reversal: contacts deform over a displacement of x_s before they slip (Dahl).";
   }

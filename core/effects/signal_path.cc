@@ -41,6 +41,7 @@ class GainSaturation : public Effect {
  public:
   std::string id() const override { return "gain_saturation"; }
   EffectSite site() const override { return EffectSite::kJoint; }
+  bool non_negative() const override { return true; }
   std::string physics() const override {
     return "The drive gain falls with the signal (Ksat > 0): iron of the motor saturates at high current.";
   }

@@ -88,6 +88,7 @@ class JointElasticity : public Effect {
  public:
   std::string id() const override { return "joint_elasticity"; }
   EffectSite site() const override { return EffectSite::kJoint; }
+  bool non_negative() const override { return true; }
   std::string physics() const override {
     return "The transmission twists by Ce times the torque it carries: the link is not where the motor's encoder says.";
   }
@@ -113,6 +114,7 @@ class Backlash : public Effect {
  public:
   std::string id() const override { return "backlash"; }
   EffectSite site() const override { return EffectSite::kJoint; }
+  bool non_negative() const override { return true; }
   std::string physics() const override {
     return "Play in the transmission: the link lies on one flank or the other by the half gap Bl as the torque it "
            "carries turns its sign.";

@@ -19,6 +19,7 @@ class Stribeck : public Effect {
   std::string id() const override { return "stribeck"; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
+  bool non_negative() const override { return true; }
   std::string physics() const override {
     return "Dry friction that falls with speed as the lubricant film builds up: Fst sign(dq) exp(-(dq / vs)^2).";
   }
@@ -57,6 +58,7 @@ class PowerViscous : public Effect {
   std::string id() const override { return "power_viscous"; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
+  bool non_negative() const override { return true; }
   std::string physics() const override {
     return "Viscous friction that is not proportional to speed, Fp sign(dq) |dq|^a: grease that thins when sheared "
            "(a < 1), churning (a > 1).";
@@ -72,9 +74,9 @@ class PowerViscous : public Effect {
     return {JointParameter("Fp", joint, TorqueUnit(robot, joint) + ".(s/" + AngleUnit(robot, joint) + ")^a")};
   }
 
-  // The grid leaves out 1, which is viscous friction itself, and the neighbours that the data cannot tell from it.
+  // About 1 it is viscous friction itself: Fp and Fv would grow without bound against each other.
   std::vector<ShapeParameter> Shapes(const std::vector<EffectMotion>&, const std::vector<int>&) const override {
-    return {{"a", "1", 0.1, 2.5, {0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.25, 1.5, 1.75, 2.0}}};
+    return {{"a", "1", 0.1, 2.5, {0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.25, 1.5, 1.75, 2.0}, 0.8, 1.25}};
   }
 
   std::vector<EffectEntry> Columns(const EffectMotion& motion, const std::vector<int>& joints,
@@ -120,6 +122,7 @@ class LoadFriction : public Effect {
   std::string id() const override { return "load_friction"; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
+  bool non_negative() const override { return true; }
   std::string physics() const override {
     return "Dry friction that grows with the torque a gear transmits, Fl sign(dq) |tau_rigid|: tooth and bearing "
            "loads.";

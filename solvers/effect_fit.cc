@@ -72,8 +72,8 @@ double Cost(const EffectFit& fit, const VectorXd& values, const VectorXd& fricti
 // The effects with the values of a solved bundle, their shapes moved by its steps.
 struct Move {
   std::vector<ActiveEffect> effects;
-  double largest = 0.0;        // move of a shape, in standard deviations
-  std::vector<bool> at_limit;  // effects with a shape that stands at its limit and would go beyond
+  double largest = 0.0;     // move of a shape, in standard deviations
+  std::vector<bool> stuck;  // effects with a shape that would go beyond its limit, or that nothing tells
 };
 
 Move MoveOf(const EffectFit& fit, const std::vector<EffectMotion>& motions) {
@@ -97,7 +97,8 @@ Move MoveOf(const EffectFit& fit, const std::vector<EffectMotion>& motions) {
       const double reach = 0.5 * std::max(std::abs(active.shape[s]), 1e-3 * (shapes[s].upper - shapes[s].lower));
       const double step = std::clamp(fit.summary.values[unknown], -reach, reach);
       const double next = shapes[s].Within(active.shape[s], active.shape[s] + step);
-      move.at_limit[e] = move.at_limit[e] || (next == active.shape[s] && std::abs(step) > kSettled * deviation);
+      const bool at_limit = next == active.shape[s] && std::abs(step) > kSettled * deviation;
+      if (at_limit || deviation > shapes[s].upper - shapes[s].lower) move.stuck[e] = true;
       move.largest = std::max(move.largest, std::abs(next - active.shape[s]) / deviation);
       active.shape[s] = next;
     }
@@ -163,9 +164,9 @@ Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& 
       continue;
     }
     Move move = MoveOf(next, motions);
-    if (std::find(move.at_limit.begin(), move.at_limit.end(), true) != move.at_limit.end()) {
+    if (std::find(move.stuck.begin(), move.stuck.end(), true) != move.stuck.end()) {
       for (size_t e = 0; e < now.size(); ++e) {
-        if (!move.at_limit[e]) continue;
+        if (!move.stuck[e]) continue;
         held[e] = true;
         now[e].values.resize(0);
       }

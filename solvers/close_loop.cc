@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
+#include <optional>
 #include <utility>
 
 #include "core/base/text.h"
@@ -20,67 +22,10 @@ using Eigen::VectorXd;
 constexpr double kSame = 1.0, kSure = 2.0;
 constexpr int kSweeps = 2;
 
-// A fitted model with what it leaves.
-struct Judged {
-  EffectFit fit;
-  ResidualModel residual;
-  ResidualModel::HeldOut held_out;
-
-  explicit Judged(EffectFit fit_in)
-      : fit(std::move(fit_in)),
-        residual(fit.prepared, fit.data, fit.summary),
-        held_out(residual.CrossValidate(MatrixXd(residual.residual().size(), 0))) {}
-};
-
-VectorXd PerJoint(const MatrixXd& residual, const MatrixXd& torque) {
-  return 100.0 * residual.colwise().norm().cwiseQuotient(torque.colwise().norm()).transpose();
-}
-
-// Squared held-out residuals of a model in each fold, of the joints of an effect (all: none named), by the weights of
-// `measure`.
-VectorXd HeldOutByFold(const ResidualModel& measure, const Judged& model, const std::vector<int>& joints) {
-  const MatrixXd squares = measure.WeightedSquares(model.held_out.signal);
-  VectorXd sum = VectorXd::Zero(measure.num_folds());
-  for (Index k = 0; k < squares.rows(); ++k) {
-    double& fold = sum[measure.folds()[static_cast<size_t>(k)]];
-    for (const int j : joints) fold += squares(k, j);
-    if (joints.empty()) fold += squares.row(k).sum();
-  }
-  return sum;
-}
-
-double StandardErrorOfSum(const VectorXd& folds) {
-  const double count = static_cast<double>(folds.size());
-  return std::sqrt(count / (count - 1.0) * (folds.array() - folds.mean()).matrix().squaredNorm());
-}
-
 // An effect that acts in spells gains much in some folds and little in others: its standard error is large, its sign
 // sure.
 bool IsInMostFolds(const VectorXd& gain) {
   return static_cast<double>((gain.array() > 0.0).count()) >= 0.85 * static_cast<double>(gain.size());
-}
-
-LoopErrors ErrorsOf(const Judged& model, bool by_blocks) {
-  LoopErrors errors;
-  const MatrixXd torque = model.residual.torque(), residual = model.residual.TorqueResidual();
-  errors.identification = 100.0 * residual.norm() / torque.norm();
-  errors.identification_per_joint = PerJoint(residual, torque);
-  if (by_blocks) {
-    errors.validation = 100.0 * model.held_out.residual.norm() / torque.norm();
-    errors.validation_per_joint = PerJoint(model.held_out.residual, torque);
-    return errors;
-  }
-  const ArmParameters arm = model.fit.Arm();
-  VectorXd squares = VectorXd::Zero(model.residual.dof()), torques = squares;
-  for (const PreparedRecording& recording : model.fit.prepared.recordings) {
-    if (recording.entry.use == Use::kIdentification) continue;
-    const RecordingSeries series = Predict(model.fit.prepared, recording, arm);
-    squares += (series.decimated_torque - series.decimated_model).colwise().squaredNorm().transpose();
-    torques += series.decimated_torque.colwise().squaredNorm().transpose();
-  }
-  errors.validation = 100.0 * std::sqrt(squares.sum() / torques.sum());
-  errors.validation_per_joint = 100.0 * squares.cwiseQuotient(torques).cwiseSqrt();
-  return errors;
 }
 
 std::vector<MovedParameter> MovedBetween(const EffectFit& before, const EffectFit& after) {
@@ -105,9 +50,9 @@ bool Has(const std::vector<ActiveEffect>& effects, const ActiveEffect& one) {
 
 class Loop {
  public:
-  Loop(const LoopOptions& options, Judged declared) : options_(options), model_(std::move(declared)) {}
+  Loop(const LoopOptions& options, JudgedFit declared) : options_(options), model_(std::move(declared)) {}
 
-  const Judged& model() const { return model_; }
+  const JudgedFit& model() const { return model_; }
 
   // Adds one effect. False: nothing passes.
   bool Add(LoopResult* result) {
@@ -121,7 +66,7 @@ class Loop {
       Say("fitting with " + EffectTitle(passing[chosen].effect));
       Result<EffectFit> fit = With(passing[chosen].effect);
       if (fit.ok()) {
-        Judged next(std::move(fit).value());
+        JudgedFit next(std::move(fit).value());
         if (!Has(OfWrongSign(next.fit), passing[chosen].effect) &&
             IsBetter(model_, next, passing[chosen].effect.joints)) {
           Record(scan, passing, chosen, next, result);
@@ -139,29 +84,42 @@ class Loop {
   // Drops or replaces effects beside all others. False: nothing changed.
   bool Reconsider(LoopResult* result) {
     bool changed = false;
+    // Shapes that were held while effects were missing may be told now.
+    std::vector<ActiveEffect> released = model_.fit.prepared.effects;
+    for (ActiveEffect& effect : released) effect.held = false;
+    if (Result<EffectFit> fit = Refit(model_.fit, released); fit.ok()) model_ = JudgedFit(std::move(fit).value());
     for (const ActiveEffect& effect : OfWrongSign(model_.fit)) {
-      Result<EffectFit> fit = Without(effect);
-      if (!fit.ok()) continue;
-      Drop(effect, " came out negative beside what was found later, which it cannot be", Judged(std::move(fit).value()),
-           result);
+      std::optional<JudgedFit> without = JudgedWithout(effect);
+      if (!without) continue;
+      Drop(effect, " came out negative beside what was found later, which it cannot be", *std::move(without), result);
       changed = true;
     }
+    // While one is judged the next is fitted already, for nothing where the model changes.
+    std::future<std::optional<JudgedFit>> ahead;
     for (size_t e = 0; e < model_.fit.prepared.effects.size();) {
       const ActiveEffect effect = model_.fit.prepared.effects[e];
       Say("is " + EffectTitle(effect) + " needed beside the others?");
-      Result<EffectFit> fit = Without(effect);
-      if (!fit.ok()) {
+      std::optional<JudgedFit> without = ahead.valid() ? ahead.get() : JudgedWithout(effect);
+      if (options_.threads > 1 && e + 1 < model_.fit.prepared.effects.size()) {
+        const ActiveEffect next = model_.fit.prepared.effects[e + 1];
+        ahead = std::async(std::launch::async, [this, next] { return JudgedWithout(next); });
+      }
+      if (!without) {
         ++e;
         continue;
       }
-      Judged without(std::move(fit).value());
       // A model in which another effect turns its sign is none to go back to.
-      if (OfWrongSign(without.fit).empty() && !IsBetter(without, model_, effect.joints)) {
-        Drop(effect, " is not needed beside what was found later", std::move(without), result);
+      if (OfWrongSign(without->fit).empty() && !IsBetter(*without, model_, effect.joints)) {
+        ahead = {};
+        Drop(effect, " is not needed beside what was found later", *std::move(without), result);
         changed = true;
         continue;
       }
-      if (ReplaceBetter(effect, std::move(without), result)) changed = true;
+      if (std::optional<Replacement> better = BetterAt(effect, *without)) {
+        ahead = {};
+        Replace(effect, *std::move(without), *std::move(better), result);
+        changed = true;
+      }
       ++e;
     }
     return changed;
@@ -174,7 +132,7 @@ class Loop {
     }
   }
 
-  EffectScan Scan(const Judged& model, const std::vector<int>& only_joints) const {
+  EffectScan Scan(const JudgedFit& model, const std::vector<int>& only_joints) const {
     ScanOptions options;
     options.significance = options_.significance;
     options.threads = options_.threads;
@@ -221,14 +179,20 @@ class Loop {
     return Refit(model_.fit, others);
   }
 
-  void Drop(const ActiveEffect& effect, const std::string& why, Judged without, LoopResult* result) {
+  std::optional<JudgedFit> JudgedWithout(const ActiveEffect& effect) const {
+    Result<EffectFit> fit = Without(effect);
+    if (!fit.ok()) return std::nullopt;
+    return JudgedFit(std::move(fit).value());
+  }
+
+  void Drop(const ActiveEffect& effect, const std::string& why, JudgedFit without, LoopResult* result) {
     result->dropped.push_back(EffectTitle(effect) + why);
     Forget(effect, result);
     model_ = std::move(without);
   }
 
   // The held-out error of `with` is below that of `without` by the margin and by more than the folds' uncertainty.
-  bool IsBetter(const Judged& without, const Judged& with, const std::vector<int>& joints) const {
+  bool IsBetter(const JudgedFit& without, const JudgedFit& with, const std::vector<int>& joints) const {
     const VectorXd squares = HeldOutByFold(without.residual, without, joints);
     const VectorXd gain = squares - HeldOutByFold(without.residual, with, joints);
     const double needed = 1.0 - std::pow(1.0 - options_.margin, 2);
@@ -236,7 +200,7 @@ class Loop {
            (gain.sum() > kSame * StandardErrorOfSum(gain) || IsInMostFolds(gain));
   }
 
-  void Record(const EffectScan& scan, const std::vector<EffectCandidate>& passing, size_t chosen, const Judged& next,
+  void Record(const EffectScan& scan, const std::vector<EffectCandidate>& passing, size_t chosen, const JudgedFit& next,
               LoopResult* result) const {
     LoopStep step;
     step.effect = next.fit.prepared.effects.back();
@@ -267,33 +231,43 @@ class Loop {
         steps.end());
   }
 
-  // A rival at the same place, beside all other effects. `without`: the model that lacks `effect`.
-  bool ReplaceBetter(const ActiveEffect& effect, Judged without, LoopResult* result) {
-    if (effect.joints.empty()) return false;
-    const EffectScan scan = Scan(without, effect.joints);
+  struct Replacement {
+    EffectScan scan;
+    EffectCandidate candidate;
+    JudgedFit model;
+  };
+
+  // A rival at the same place, beside all other effects, that does better. `without`: the model that lacks `effect`.
+  std::optional<Replacement> BetterAt(const ActiveEffect& effect, const JudgedFit& without) const {
+    if (effect.joints.empty()) return std::nullopt;
+    EffectScan scan = Scan(without, effect.joints);
     for (const EffectCandidate& candidate : scan.candidates) {
       if (SameEffect(candidate.effect, effect) || !Passes(candidate)) continue;
       std::vector<ActiveEffect> effects = without.fit.prepared.effects;
       effects.push_back(candidate.effect);
       Result<EffectFit> fit = Refit(without.fit, effects);
       if (!fit.ok() || Has(OfWrongSign(*fit), candidate.effect)) continue;
-      Judged next(std::move(fit).value());
+      JudgedFit next(std::move(fit).value());
       const VectorXd gain =
           HeldOutByFold(without.residual, model_, effect.joints) - HeldOutByFold(without.residual, next, effect.joints);
-      if (gain.sum() <= kSure * StandardErrorOfSum(gain) || gain.sum() <= 0.0) break;  // the best of them is no better
-      result->dropped.push_back(EffectTitle(effect) + " is replaced by " + EffectTitle(candidate.effect) +
-                                ", which explains more beside what was found later");
-      Forget(effect, result);
-      model_ = std::move(without);
-      Record(scan, {candidate}, 0, next, result);
-      model_ = std::move(next);
-      return true;
+      // The best of them is no better.
+      if (gain.sum() <= kSure * StandardErrorOfSum(gain) || gain.sum() <= 0.0) return std::nullopt;
+      return Replacement{scan, candidate, std::move(next)};
     }
-    return false;
+    return std::nullopt;
+  }
+
+  void Replace(const ActiveEffect& effect, JudgedFit without, Replacement by, LoopResult* result) {
+    result->dropped.push_back(EffectTitle(effect) + " is replaced by " + EffectTitle(by.candidate.effect) +
+                              ", which explains more beside what was found later");
+    Forget(effect, result);
+    model_ = std::move(without);
+    Record(by.scan, {by.candidate}, 0, by.model, result);
+    model_ = std::move(by.model);
   }
 
   const LoopOptions& options_;
-  Judged model_;
+  JudgedFit model_;
   std::vector<ActiveEffect> aside_;
 };
 
@@ -337,7 +311,7 @@ Result<LoopResult> CloseLoop(const PreparedStudy& as_recorded, const LoopOptions
     return result;
   }
   result.before = IdentificationOf(*declared);
-  Loop loop(options, Judged(std::move(declared).value()));
+  Loop loop(options, JudgedFit(std::move(declared).value()));
   result.declared = ErrorsOf(loop.model(), result.held_out_by_blocks);
   for (int sweep = 0; sweep <= kSweeps; ++sweep) {
     bool added = false;

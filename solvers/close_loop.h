@@ -33,6 +33,7 @@
 #include "solvers/effect_fit.h"
 #include "solvers/effect_scan.h"
 #include "solvers/eiv_identification.h"
+#include "solvers/judged_fit.h"
 #include "solvers/unexplained.h"
 
 namespace idim {
@@ -40,17 +41,11 @@ namespace idim {
 struct LoopOptions {
   double significance = 0.01;  // of the score test, corrected for all that is tried, in (0, 1)
   double margin = 0.01;        // relative decrease of the held-out error that an effect must bring, in (0, 1)
-  int max_effects = 12;        // >= 0
+  int max_effects = 24;        // >= 0
   int threads = 1;             // >= 1
   std::function<void(const std::string&)> progress;
 
   bool IsValid(std::string* error) const;
-};
-
-// Relative errors 100 |residual| / |torque| of decimated samples [%].
-struct LoopErrors {
-  double identification = -1.0, validation = -1.0;
-  Eigen::VectorXd identification_per_joint, validation_per_joint;
 };
 
 struct LoopRival {

@@ -72,12 +72,13 @@ double Cost(const EffectFit& fit, const VectorXd& values, const VectorXd& fricti
 // The effects with the values of a solved bundle, their shapes moved by its steps.
 struct Move {
   std::vector<ActiveEffect> effects;
-  double largest = 0.0;     // move of a shape, in standard deviations
-  std::vector<bool> stuck;  // effects with a shape that would go beyond its limit, or that nothing tells
+  std::vector<double> distance;  // of each effect: the largest move of a shape, in standard deviations
+  std::vector<bool> stuck;       // effects with a shape that would go beyond its limit, or that nothing tells
 };
 
 Move MoveOf(const EffectFit& fit, const std::vector<EffectMotion>& motions) {
-  Move move{fit.prepared.effects, 0.0, std::vector<bool>(fit.prepared.effects.size(), false)};
+  const size_t count = fit.prepared.effects.size();
+  Move move{fit.prepared.effects, std::vector<double>(count, 0.0), std::vector<bool>(count, false)};
   const std::vector<int> first = FirstParameters(fit.prepared);
   const int begin = fit.data.num_gains() + fit.prepared.base.size();
   for (size_t e = 0; e < move.effects.size(); ++e) {
@@ -99,10 +100,10 @@ Move MoveOf(const EffectFit& fit, const std::vector<EffectMotion>& motions) {
       const double next = shapes[s].Within(active.shape[s], active.shape[s] + step);
       const bool at_limit = next == active.shape[s] && std::abs(step) > kSettled * deviation;
       if (at_limit || deviation > shapes[s].upper - shapes[s].lower) move.stuck[e] = true;
-      move.largest = std::max(move.largest, std::abs(next - active.shape[s]) / deviation);
+      move.distance[e] = std::max(move.distance[e], std::abs(next - active.shape[s]) / deviation);
       active.shape[s] = next;
     }
-    active.values = told > kTold ? VectorXd(fit.summary.values.segment(at, linear)) : VectorXd();
+    active.values = told > kTold && !active.held ? VectorXd(fit.summary.values.segment(at, linear)) : VectorXd();
   }
   return move;
 }
@@ -146,11 +147,14 @@ Result<EffectFit> FitDeclared(const PreparedStudy& prepared) {
 Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& effects) {
   EffectFit fit = from;
   std::vector<ActiveEffect> now = effects;
-  std::vector<bool> held(now.size(), false);  // shapes that nothing in the data tells, or that stand at a limit
-  VectorXd start;
+  const auto hold = [&](size_t e) {
+    now[e].held = true;
+    now[e].values.resize(0);
+  };
+  bool fitted = false;
   for (int round = 0; round < kMaxRounds; ++round) {
     const std::vector<EffectMotion> motions = MotionsOf(fit.prepared, fit.Arm());
-    start = fit.summary.values;
+    VectorXd start = fit.summary.values;
     EffectFit next = WithColumns(fit, now, motions, &start);
     next.summary = Solve(next, start, false);
     if (!next.summary.IsSolutionUsable()) {
@@ -159,36 +163,32 @@ Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& 
       size_t e = now.size();
       while (e > 0 && !IsFree(now[e - 1])) --e;
       if (e == 0) return next.summary.status;
-      held[e - 1] = true;
-      now[e - 1].values.resize(0);
+      hold(e - 1);
       continue;
     }
     Move move = MoveOf(next, motions);
+    const auto farthest = std::max_element(move.distance.begin(), move.distance.end());
+    const double largest = farthest == move.distance.end() ? 0.0 : *farthest;
+    // A shape that cannot go where it would go, or one along which no step is better: it stays, and the rest goes on.
     if (std::find(move.stuck.begin(), move.stuck.end(), true) != move.stuck.end()) {
       for (size_t e = 0; e < now.size(); ++e) {
-        if (!move.stuck[e]) continue;
-        held[e] = true;
-        now[e].values.resize(0);
+        if (move.stuck[e]) hold(e);
       }
       continue;
     }
-    if (move.largest >= kSettled && !Backtrack(next, start, motions, &move)) {
-      // No way along the steps is better: the shapes stay where they are.
-      for (size_t e = 0; e < now.size(); ++e) {
-        held[e] = held[e] || move.effects[e].shape != now[e].shape;
-        move.effects[e].shape = now[e].shape;
-      }
-    }
-    for (size_t e = 0; e < now.size(); ++e) {
-      if (held[e]) move.effects[e].values.resize(0);
+    if (largest >= kSettled && !Backtrack(next, start, motions, &move)) {
+      hold(static_cast<size_t>(farthest - move.distance.begin()));
+      continue;
     }
     const bool same_columns =
         std::equal(now.begin(), now.end(), move.effects.begin(),
                    [](const auto& a, const auto& b) { return (a.values.size() > 0) == (b.values.size() > 0); });
     fit = std::move(next);
-    if (round > 0 && same_columns && move.largest < kSettled) break;
+    fitted = true;
+    if (round > 0 && same_columns && largest < kSettled) break;
     now = std::move(move.effects);
   }
+  if (!fitted) return Status::Untrusted("the bundle cannot be fitted with the shapes of the effects free or held");
   if (!fit.summary.IsSolutionUsable()) return fit.summary.status;
   fit.summary = Solve(fit, fit.summary.values, true);
   if (!fit.summary.IsSolutionUsable()) return fit.summary.status;

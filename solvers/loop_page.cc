@@ -56,6 +56,8 @@ Table ErrorTable(const LoopResult& result) {
   add("identification", "final", after.identification_per_joint, after.identification);
   add(HeldOutName(result), "declared", before.validation_per_joint, before.validation);
   add(HeldOutName(result), "final", after.validation_per_joint, after.validation);
+  add("- while the joint moves", "declared", before.validation_moving, -1.0);
+  add("- while the joint moves", "final", after.validation_moving, -1.0);
   return table;
 }
 

@@ -32,20 +32,21 @@ Json Place(const ActiveEffect& active) {
   return {{"effect", active.effect->id()}, {"joints", OneBased(active.joints)}};
 }
 
+Json PerJointJson(const VectorXd& identification, const VectorXd& validation) {
+  return {{"identification", ToJson(identification)}, {"validation", ToJson(validation)}};
+}
+
 Json ModelJson(const LoopErrors& errors) {
   return {{"identification_error_percent", Percent(errors.identification)},
           {"validation_error_percent", Percent(errors.validation)},
-          {"per_joint",
-           {{"identification", ToJson(errors.identification_per_joint)},
-            {"validation", ToJson(errors.validation_per_joint)}}}};
+          {"per_joint", PerJointJson(errors.identification_per_joint, errors.validation_per_joint)},
+          {"per_joint_moving", PerJointJson(errors.identification_moving, errors.validation_moving)}};
 }
 
 Json ErrorsJson(const LoopErrors& errors) {
   return {{"identification", Percent(errors.identification)},
           {"validation", Percent(errors.validation)},
-          {"per_joint",
-           {{"identification", ToJson(errors.identification_per_joint)},
-            {"validation", ToJson(errors.validation_per_joint)}}}};
+          {"per_joint", PerJointJson(errors.identification_per_joint, errors.validation_per_joint)}};
 }
 
 Json EstimateOf(const ParameterEstimate& p) {
@@ -124,6 +125,8 @@ std::string ErrorTable(const LoopResult& result) {
   add("identification, final model", result.final.identification, result.final.identification_per_joint);
   add(held_out + ", declared model", result.declared.validation, result.declared.validation_per_joint);
   add(held_out + ", final model", result.final.validation, result.final.validation_per_joint);
+  add("- while the joint moves, declared model", -1.0, result.declared.validation_moving);
+  add("- while the joint moves, final model", -1.0, result.final.validation_moving);
   return AlignColumns(lines);
 }
 

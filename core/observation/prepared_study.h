@@ -31,6 +31,7 @@ struct ActiveEffect {
   std::vector<int> joints;  // zero-based, see Effect::Parameters()
   Eigen::VectorXd shape;
   Eigen::VectorXd values = {};  // of its linear parameters as last estimated; empty: not yet
+  bool held = false;            // its shape stays as it is
 };
 
 struct PreparedStudy {

@@ -86,8 +86,12 @@ class Loop {
     bool changed = false;
     // Shapes that were held while effects were missing may be told now.
     std::vector<ActiveEffect> released = model_.fit.prepared.effects;
+    const bool any_held =
+        std::any_of(released.begin(), released.end(), [](const ActiveEffect& effect) { return effect.held; });
     for (ActiveEffect& effect : released) effect.held = false;
-    if (Result<EffectFit> fit = Refit(model_.fit, released); fit.ok()) model_ = JudgedFit(std::move(fit).value());
+    if (any_held) {
+      if (Result<EffectFit> fit = Refit(model_.fit, released); fit.ok()) model_ = JudgedFit(std::move(fit).value());
+    }
     for (const ActiveEffect& effect : OfWrongSign(model_.fit)) {
       std::optional<JudgedFit> without = JudgedWithout(effect);
       if (!without) continue;

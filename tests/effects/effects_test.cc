@@ -120,6 +120,7 @@ TEST(EffectsTest, ShapeGridsIncreaseWithinTheirLimits) {
         EXPECT_GE(shape.grid.front(), shape.lower) << effect->id();
         EXPECT_LE(shape.grid.back(), shape.upper) << effect->id();
         for (size_t k = 1; k < shape.grid.size(); ++k) EXPECT_LT(shape.grid[k - 1], shape.grid[k]) << effect->id();
+        for (const double value : shape.grid) EXPECT_EQ(shape.Within(value, value), value) << effect->id();
       }
     }
   }
@@ -153,6 +154,19 @@ TEST(EffectsTest, ShapeGridsIncreaseWithinTheirLimits) {
   EXPECT_NEAR(few.back(), M_PI * 40.0 / slow_speed, 1e-6 * few.back());
   EXPECT_GT(32.0 * 4.0, few.back());
   for (const double multiple : {1.0, 2.0, 4.0}) EXPECT_THAT(orders, Contains(DoubleNear(32.0 * multiple, 1e-9)));
+}
+
+TEST(ShapeParameterTest, StopsAtItsLimitsAndBeforeItsGap) {
+  const ShapeParameter shape = {"a", "1", 0.1, 2.5, {0.5, 2.0}, 0.8, 1.25};
+  EXPECT_EQ(shape.Within(0.5, 0.7), 0.7);
+  EXPECT_EQ(shape.Within(0.5, -1.0), 0.1);
+  EXPECT_EQ(shape.Within(0.5, 2.0), 0.8);
+  EXPECT_EQ(shape.Within(0.8, 1.0), 0.8);
+  EXPECT_EQ(shape.Within(1.25, 0.5), 1.25);
+  EXPECT_EQ(shape.Within(2.0, 3.0), 2.5);
+  const ShapeParameter plain = {"k", "1", 1.0, 9.0, {3.0}};
+  EXPECT_EQ(plain.Within(3.0, 7.0), 7.0);
+  EXPECT_EQ(plain.Within(3.0, 0.0), 1.0);
 }
 
 TEST(EffectsTest, DeclaredFrictionIsThatOfTheStandardModel) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "solvers/active_effects.h"
+#include "solvers/bundle_data.h"
 #include "tests/solvers/simulated_study.h"
 
 namespace idim::testing {
@@ -60,6 +61,48 @@ TEST(EffectFit, HoldsAShapeThatNoSampleTells) {
     EXPECT_NEAR(p.value, 0.8, 0.05);
   }
   EXPECT_TRUE(seen);
+}
+
+// With |dq|^0.95 and |dq| both free, Fp and Fv would grow without bound against each other.
+TEST(EffectFit, HoldsAnExponentThatRunsIntoViscousFriction) {
+  const EffectFit declared = Declared("  - {id: power_viscous, joints: [2], coefficient: 4.0, exponent: 0.95}\n");
+  const Result<EffectFit> with =
+      Refit(declared, {{FindEffect("power_viscous"), {1}, Eigen::VectorXd::Constant(1, 0.7)}});
+  ASSERT_TRUE(with.ok()) << with.status().message();
+  const ActiveEffect& effect = with->prepared.effects.at(0);
+  EXPECT_LE(effect.shape[0], 0.8);
+  EXPECT_LT(std::abs(IdentificationOf(*with).estimate.Find("Fp2")->value), 40.0);
+}
+
+// The same friction from the other end: a negative Stribeck term is none.
+TEST(EffectFit, NamesAnEffectOfTheWrongSign) {
+  const EffectFit declared = Declared("  - {id: load_friction, joints: [2], mu: -0.05}\n");
+  const Result<EffectFit> negative = Refit(declared, {{FindEffect("load_friction"), {1}, Eigen::VectorXd()}});
+  ASSERT_TRUE(negative.ok()) << negative.status().message();
+  EXPECT_NEAR(IdentificationOf(*negative).estimate.Find("Fl2")->value, -0.05, 0.01);
+  ASSERT_EQ(OfWrongSign(*negative).size(), 1u);
+  EXPECT_EQ(EffectTitle(OfWrongSign(*negative)[0]), "load_friction on joint 2");
+  EXPECT_TRUE(OfWrongSign(declared).empty());
+}
+
+// Columns set by WithEffectsOf() while fitting are those of a pass over the recordings.
+TEST(EffectFit, HasTheDataOfItsStudy) {
+  const EffectFit declared = Declared("  - {id: torque_ripple, joints: [3], amplitude: 0.5, order: 11, phase: 0.0}\n");
+  const Result<EffectFit> with =
+      Refit(declared, {{FindEffect("base_tilt"), {}, Eigen::VectorXd()},
+                       {FindEffect("torque_ripple"), {2}, Eigen::VectorXd::Constant(1, 11.1)}});
+  ASSERT_TRUE(with.ok()) << with.status().message();
+  const Result<BundleData> anew = BuildBundleData(with->prepared);
+  ASSERT_TRUE(anew.ok()) << anew.status().message();
+  ASSERT_EQ(with->data.num_unknowns(), anew->num_unknowns());
+  ASSERT_EQ(with->data.samples.size(), anew->samples.size());
+  EXPECT_EQ(with->data.num_base, anew->num_base);
+  EXPECT_EQ(with->data.payload_columns, anew->payload_columns);
+  for (int k = 0; k < anew->num_unknowns(); ++k) EXPECT_EQ(with->data.unknowns[k].name, anew->unknowns[k].name);
+  for (size_t k = 0; k < anew->samples.size(); ++k) {
+    const auto& columns = anew->samples[k].columns;
+    EXPECT_LT((with->data.samples[k].columns - columns).cwiseAbs().maxCoeff(), 1e-12 * columns.cwiseAbs().maxCoeff());
+  }
 }
 
 }  // namespace

@@ -87,6 +87,35 @@ TEST(ResidualModel, ExplainsTheDecreaseOfADenseFit) {
   EXPECT_EQ(arm.model.Remainder(arm.j.leftCols(2)).cols(), 0);
 }
 
+// Several candidates at once, each against a dense fit of its own; the step is the dense coefficient.
+TEST(ResidualModel, ExplainsCandidatesSideBySide) {
+  const Fitted& arm = Arm(true);
+  std::mt19937_64 generator(4);
+  MatrixXd z = RandomColumns(arm.model.samples(), arm.model.dof(), 6, 0.9, &generator);
+  z.col(1) *= 1e3;
+  z.col(3) = z.col(2) + 1e-3 * z.col(3);  // imitated by its neighbour
+  const VectorXd& r = arm.model.residual();
+  const double before = (r - arm.j * LeastSquares(arm.j, r)).squaredNorm();
+  const std::vector<ResidualModel::Explanation> side_by_side = arm.model.Explain(z, 2);
+  ASSERT_EQ(side_by_side.size(), 3u);
+  for (Index k = 0; k < 3; ++k) {
+    const Index columns = k == 1 ? 1 : 2;
+    MatrixXd all(z.rows(), arm.j.cols() + columns);
+    all << arm.j, z.middleCols(2 * k, columns);
+    const VectorXd fit = LeastSquares(all, r);
+    const ResidualModel::Explanation& one = side_by_side[static_cast<size_t>(k)];
+    EXPECT_NEAR(one.explained, before - (r - all * fit).squaredNorm(), 1e-6 * before) << k;
+    // A parameter's column is the derivative of the residual.
+    EXPECT_LT((one.step.head(columns) + fit.tail(columns)).norm(), 1e-6 * fit.tail(columns).norm()) << k;
+    if (columns == 1) {
+      EXPECT_EQ(one.step[1], 0.0);
+    }
+  }
+  const ResidualModel::Explanation imitated = arm.model.Explain(arm.j.leftCols(1), 1)[0];
+  EXPECT_EQ(imitated.explained, 0.0);
+  EXPECT_EQ(imitated.step[0], 0.0);
+}
+
 TEST(ResidualModel, HoldsOutAsADenseRefitDoes) {
   const Fitted& arm = Arm(true);
   const int n = arm.model.dof();

@@ -13,6 +13,7 @@
 #include "core/base/file.h"
 #include "core/estimate/comparison_report.h"
 #include "core/estimate/reference.h"
+#include "solvers/declared_effects.h"
 #include "solvers/estimators.h"
 #include "solvers/monte_carlo.h"
 
@@ -84,7 +85,10 @@ Status Run(const std::string& study_path) {
   if (!study.ok()) return study.status();
   idim::Progress progress;
   progress.At("reading and filtering");
-  const idim::Result<idim::PreparedStudy> prepared = idim::PrepareStudy(*study);
+  const idim::Result<idim::PreparedStudy> plain = idim::PrepareStudy(*study);
+  if (!plain.ok()) return plain.status();
+  if (!study->effects.empty()) progress.At("declared effects");
+  const idim::Result<idim::PreparedStudy> prepared = idim::DeclareEffects(*plain);
   if (!prepared.ok()) return prepared.status();
   progress.At("observation matrix");
   const idim::Result<idim::EstimatorRunner> runner = idim::EstimatorRunner::Create(&*prepared);

@@ -10,6 +10,7 @@
 #include "core/base/file.h"
 #include "core/estimate/identification_report.h"
 #include "core/estimate/reference.h"
+#include "solvers/declared_effects.h"
 #include "solvers/estimators.h"
 
 DEFINE_string(estimator, "eiv",
@@ -37,7 +38,18 @@ Status Run(const std::string& study_path) {
   const idim::Result<idim::Study> study = idim::ReadStudy(study_path);
   if (!study.ok()) return study.status();
   idim::Progress progress;
-  const idim::Result<idim::PreparedStudy> prepared = idim::PrepareStudy(*study);
+  const idim::Result<idim::PreparedStudy> plain = idim::PrepareStudy(*study);
+  if (!plain.ok()) return plain.status();
+  if (!study->effects.empty()) progress.At("declared effects");
+  const idim::Result<idim::PreparedStudy> prepared = idim::DeclareEffects(*plain);
+  if (prepared.status().code() == idim::StatusCode::kUntrusted) {
+    idim::Estimate untrusted;
+    untrusted.status = prepared.status();
+    untrusted.robot = study->robot.name;
+    untrusted.estimator = FLAGS_estimator;
+    const Status written = idim::WriteFiles(FLAGS_output, {{"estimate.json", idim::EstimateToJson(untrusted)}});
+    return written.ok() ? prepared.status() : written;
+  }
   if (!prepared.ok()) return prepared.status();
   progress.At("observation matrix, " + FLAGS_estimator);
   const idim::Result<idim::EstimatorRunner> runner = idim::EstimatorRunner::Create(&*prepared);

@@ -75,9 +75,8 @@ void SetEffects(const std::vector<ActiveEffect>& effects, const std::vector<Effe
     const bool with_shapes = active.values.size() > 0;
     prepared->effect_parameters.insert(prepared->effect_parameters.end(), linear.begin(), linear.end());
     for (size_t k = 0; with_shapes && k < shapes.size(); ++k) {
-      std::string name = shapes[k].name;
-      for (const int joint : active.joints) name += "_" + std::to_string(joint + 1);
-      prepared->effect_parameters.push_back({active.effect->id() + "_" + name, ParameterKind::kEffect,
+      prepared->effect_parameters.push_back({ShapeParameterName(active.effect->id(), shapes[k].name, active.joints),
+                                             ParameterKind::kEffectShape,
                                              active.joints.empty() ? 0 : active.joints[0] + 1, shapes[k].unit});
     }
     for (size_t r = 0; r < motions.size(); ++r) {
@@ -92,6 +91,75 @@ void SetEffects(const std::vector<ActiveEffect>& effects, const std::vector<Effe
       }
     }
   }
+}
+
+std::string ShapeParameterName(const std::string& effect_id, const std::string& shape, const std::vector<int>& joints) {
+  std::string name = effect_id + "_" + shape;
+  for (const int joint : joints) name += "_" + std::to_string(joint + 1);
+  return name;
+}
+
+std::vector<ShapeParameter> ShapesAlong(const PreparedStudy& prepared, const Effect& effect,
+                                        const std::vector<int>& joints) {
+  std::vector<EffectMotion> motions;
+  for (size_t r = 0; r < prepared.recordings.size(); ++r) {
+    const JointStates& states = prepared.recordings[r].states;
+    EffectMotion motion;
+    motion.robot = &prepared.study.robot;
+    motion.recording = static_cast<int>(r);
+    motion.t = states.t;
+    motion.q = states.q;
+    motion.dq = states.dq;
+    motion.ddq = states.ddq;
+    motion.velocity_sigma = prepared.velocity_sigma;
+    motion.position_sigma = prepared.position_sigma;
+    motions.push_back(std::move(motion));
+  }
+  return effect.Shapes(motions, joints);
+}
+
+VectorXd ShapeOffsets(const PreparedStudy& prepared) {
+  VectorXd offsets = VectorXd::Zero(static_cast<Eigen::Index>(prepared.effect_parameters.size()));
+  const std::vector<int> first = FirstParameters(prepared);
+  for (size_t e = 0; e < prepared.effects.size(); ++e) {
+    const int linear = LinearCount(prepared, prepared.effects[e]);
+    const int shapes = first[e + 1] - first[e] - linear;
+    offsets.segment(first[e] + linear, shapes) = prepared.effects[e].shape.head(shapes);
+  }
+  return offsets;
+}
+
+StatedModel AsStated(const PreparedStudy& prepared, const ArmParameters& arm) {
+  StatedModel stated{prepared, arm};
+  if (prepared.effects.empty()) return stated;
+  const int base = prepared.base.size();
+  const std::vector<int> first = FirstParameters(prepared);
+  std::vector<ActiveEffect> effects = prepared.effects;
+  std::vector<double> chi(arm.chi.data(), arm.chi.data() + base);
+  for (size_t e = 0; e < effects.size(); ++e) {
+    ActiveEffect& active = effects[e];
+    const int linear = LinearCount(prepared, active);
+    const double* const values = arm.chi.data() + base + first[e];
+    chi.insert(chi.end(), values, values + linear);
+    active.values.resize(0);
+    if (first[e + 1] - first[e] == linear) continue;
+    const std::vector<ShapeParameter> shapes = ShapesAlong(prepared, *active.effect, active.joints);
+    for (size_t s = 0; s < shapes.size(); ++s) {
+      double& shape = active.shape[static_cast<Eigen::Index>(s)];
+      shape = std::clamp(shape + values[linear + static_cast<int>(s)], std::min(shapes[s].lower, shape),
+                         std::max(shapes[s].upper, shape));
+    }
+  }
+  // Without effects, with those that the model without gives, with those of that.
+  PreparedStudy& model = stated.prepared;
+  SetEffects({}, std::vector<EffectMotion>(model.recordings.size()), &model);
+  stated.arm.chi = VectorXd::Map(chi.data(), base);
+  for (int round = 0; round < 2; ++round) {
+    const std::vector<EffectMotion> motions = MotionsOf(model, stated.arm);
+    SetEffects(effects, motions, &model);
+    stated.arm.chi = VectorXd::Map(chi.data(), static_cast<Eigen::Index>(chi.size()));
+  }
+  return stated;
 }
 
 std::vector<int> FirstParameters(const PreparedStudy& prepared) {

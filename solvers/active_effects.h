@@ -29,6 +29,25 @@ std::vector<EffectMotion> MotionsOf(const PreparedStudy& prepared, const ArmPara
 void SetEffects(const std::vector<ActiveEffect>& effects, const std::vector<EffectMotion>& motions,
                 PreparedStudy* prepared);
 
+// "presliding_x_s_1": the name of that column, and of the shape among the parameters of an estimate.
+std::string ShapeParameterName(const std::string& effect_id, const std::string& shape, const std::vector<int>& joints);
+
+// As Effect::Shapes() for the motion of all recordings, which no torque has a say in.
+std::vector<ShapeParameter> ShapesAlong(const PreparedStudy& prepared, const Effect& effect,
+                                        const std::vector<int>& joints);
+
+// One an entry of PreparedStudy::effect_parameters: the shape that the step of a kEffectShape is added to, else zero.
+Eigen::VectorXd ShapeOffsets(const PreparedStudy& prepared);
+
+// The model as an estimate states it: shapes moved by their steps (within their limits), columns anew from the torque
+// of this model itself. A function of the recordings and of what an estimate.json holds, so that whoever reads it
+// predicts the same; columns during a fit rest on the torque of the round before and are straight lines in the shapes.
+struct StatedModel {
+  PreparedStudy prepared;  // effects without values
+  ArmParameters arm;       // chi: base parameters, linear parameters of the effects
+};
+StatedModel AsStated(const PreparedStudy& prepared, const ArmParameters& arm);
+
 // Index into PreparedStudy::effect_parameters of the first parameter of each effect, then their count.
 std::vector<int> FirstParameters(const PreparedStudy& prepared);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/active_effects.h"
 #include "solvers/payload_unknowns.h"
 #include "solvers/prediction.h"
 
@@ -34,6 +35,7 @@ Estimate BeginEstimate(const PreparedStudy& prepared, const Status& status, cons
   estimate.robot = prepared.study.robot.name;
   estimate.estimator = estimator;
   estimate.without_effect = prepared.base.without_effect();
+  estimate.velocity_zero_at_rest = prepared.velocity_zero_at_rest;
   estimate.position_noise = prepared.position_noise;
   estimate.cutoff_hz = prepared.preprocessing.cutoff_hz;
   estimate.decimation = prepared.preprocessing.decimation;
@@ -44,12 +46,14 @@ Estimate BeginEstimate(const PreparedStudy& prepared, const Status& status, cons
 void SetParameters(const PreparedStudy& prepared, const std::vector<Parameter>& unknowns, const VectorXd& values,
                    const MatrixXd& covariance, double degrees_of_freedom, int first_base,
                    const std::vector<std::string>& eliminated, Estimate* estimate) {
+  const VectorXd shapes = ShapeOffsets(prepared);
   std::vector<int> kept;
   for (int k = 0; k < static_cast<int>(unknowns.size()); ++k) {
     if (std::find(eliminated.begin(), eliminated.end(), unknowns[k].name) != eliminated.end()) continue;
     ParameterEstimate p;
     p.parameter = unknowns[k];
-    p.value = values[k];
+    const int effect = k - first_base - prepared.base.size();
+    p.value = values[k] + (effect >= 0 && effect < shapes.size() ? shapes[effect] : 0.0);
     p.standard_deviation = std::sqrt(covariance(k, k));
     SetInterval95(degrees_of_freedom, &p);
     const int base = k - first_base;
@@ -79,8 +83,17 @@ ArmParameters ArmOf(const PreparedStudy& prepared, const Study& study, const Vec
 }
 
 void PredictAll(const PreparedStudy& prepared, const ArmParameters& arm, Identification* result) {
-  for (const PreparedRecording& recording : prepared.recordings) {
-    result->series.push_back(Predict(prepared, recording, arm));
+  const StatedModel stated = AsStated(prepared, arm);
+  for (const ActiveEffect& active : stated.prepared.effects) {
+    EstimatedEffect effect{active.effect->id(), active.joints};
+    const std::vector<ShapeParameter> shapes = ShapesAlong(prepared, *active.effect, active.joints);
+    for (size_t s = 0; s < shapes.size(); ++s) {
+      effect.shape.emplace_back(shapes[s].name, active.shape[static_cast<Eigen::Index>(s)]);
+    }
+    result->estimate.effects.push_back(std::move(effect));
+  }
+  for (const PreparedRecording& recording : stated.prepared.recordings) {
+    result->series.push_back(Predict(stated.prepared, recording, stated.arm));
     result->estimate.recordings.push_back(FitOf(result->series.back()));
   }
   result->estimate.relative_error_percent = RelativeErrorPercent(result->series);

@@ -22,7 +22,8 @@ Status CheckValidationPayloads(const Study& study);
 // Status, names, noise and preprocessing; no parameters yet.
 Estimate BeginEstimate(const PreparedStudy& prepared, const Status& status, const std::string& estimator);
 
-// Parameters with their intervals, the eliminated ones left out. Base parameters start at `first_base`.
+// Parameters with their intervals, the eliminated ones left out. Base parameters start at `first_base`. Steps of
+// shapes are added to the shape that they start from.
 void SetParameters(const PreparedStudy& prepared, const std::vector<Parameter>& unknowns, const Eigen::VectorXd& values,
                    const Eigen::MatrixXd& covariance, double degrees_of_freedom, int first_base,
                    const std::vector<std::string>& eliminated, Estimate* estimate);
@@ -32,7 +33,7 @@ void SetParameters(const PreparedStudy& prepared, const std::vector<Parameter>& 
 ArmParameters ArmOf(const PreparedStudy& prepared, const Study& study, const Eigen::VectorXd& gains,
                     const Eigen::VectorXd& values, int first_base, const PayloadColumns& columns);
 
-// Series and errors of every recording.
+// Effects, series and errors of every recording, by the model AsStated() (solvers/active_effects.h).
 void PredictAll(const PreparedStudy& prepared, const ArmParameters& arm, Identification* result);
 
 // After SetParameters() with a robust covariance: that of independent samples beside it.

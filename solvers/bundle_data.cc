@@ -151,6 +151,16 @@ BundleData WithEffectsOf(const PreparedStudy& prepared, const BundleData& before
       break;
     }
   }
+  for (const Prior& prior : prepared.study.priors) {
+    for (int k = 0; k < effects; ++k) {
+      const int unknown = data.num_gains() + base + k;
+      if (prepared.effect_parameters[static_cast<size_t>(k)].name != prior.parameter ||
+          std::any_of(data.priors.begin(), data.priors.end(), [&](const auto& p) { return p.unknown == unknown; })) {
+        continue;
+      }
+      data.priors.push_back({unknown, prior.value, prior.standard_deviation});
+    }
+  }
   const Eigen::Index payload = before.num_columns() - before.num_base;
   auto sample = data.samples.begin();
   for (const PreparedRecording& recording : prepared.recordings) {

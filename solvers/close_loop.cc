@@ -10,6 +10,7 @@
 
 #include "core/base/text.h"
 #include "solvers/active_effects.h"
+#include "solvers/declared_effects.h"
 
 namespace idim {
 namespace {
@@ -36,7 +37,8 @@ std::vector<MovedParameter> MovedBetween(const EffectFit& before, const EffectFi
     for (int b = 0; b < after.data.num_unknowns(); ++b) {
       if (after.data.unknowns[b].name != before.data.unknowns[a].name) continue;
       const double was = before.summary.values[a], is = after.summary.values[b];
-      if (std::abs(is - was) > factor * deviation && before.data.unknowns[a].kind != ParameterKind::kEffect) {
+      const std::string kind = ParameterKindName(before.data.unknowns[a].kind);
+      if (std::abs(is - was) > factor * deviation && kind != "effect") {
         moved.push_back({before.data.unknowns[a], was, is, deviation});
       }
     }
@@ -50,9 +52,12 @@ bool Has(const std::vector<ActiveEffect>& effects, const ActiveEffect& one) {
 
 class Loop {
  public:
-  Loop(const LoopOptions& options, JudgedFit declared) : options_(options), model_(std::move(declared)) {}
+  Loop(const LoopOptions& options, JudgedFit declared)
+      : options_(options), model_(std::move(declared)), declared_(model_.fit.prepared.effects) {}
 
   const JudgedFit& model() const { return model_; }
+
+  int added() const { return static_cast<int>(model_.fit.prepared.effects.size() - declared_.size()); }
 
   // Adds one effect. False: nothing passes.
   bool Add(LoopResult* result) {
@@ -93,6 +98,7 @@ class Loop {
       if (Result<EffectFit> fit = Refit(model_.fit, released); fit.ok()) model_ = JudgedFit(std::move(fit).value());
     }
     for (const ActiveEffect& effect : OfWrongSign(model_.fit)) {
+      if (Has(declared_, effect)) continue;
       std::optional<JudgedFit> without = JudgedWithout(effect);
       if (!without) continue;
       Drop(effect, " came out negative beside what was found later, which it cannot be", *std::move(without), result);
@@ -102,6 +108,10 @@ class Loop {
     std::future<std::optional<JudgedFit>> ahead;
     for (size_t e = 0; e < model_.fit.prepared.effects.size();) {
       const ActiveEffect effect = model_.fit.prepared.effects[e];
+      if (Has(declared_, effect)) {
+        ++e;
+        continue;
+      }
       Say("is " + EffectTitle(effect) + " needed beside the others?");
       std::optional<JudgedFit> without = ahead.valid() ? ahead.get() : JudgedWithout(effect);
       if (options_.threads > 1 && e + 1 < model_.fit.prepared.effects.size()) {
@@ -132,7 +142,7 @@ class Loop {
  private:
   void Say(const std::string& text) const {
     if (options_.progress) {
-      options_.progress(Format("%d effects, ", static_cast<int>(model_.fit.prepared.effects.size())) + text);
+      options_.progress(Format("%d effects, ", added()) + text);
     }
   }
 
@@ -272,6 +282,7 @@ class Loop {
 
   const LoopOptions& options_;
   JudgedFit model_;
+  const std::vector<ActiveEffect> declared_;  // by the study: neither dropped nor replaced
   std::vector<ActiveEffect> aside_;
 };
 
@@ -308,7 +319,7 @@ Result<LoopResult> CloseLoop(const PreparedStudy& as_recorded, const LoopOptions
     result.held_out_by_blocks &= recording.entry.use == Use::kIdentification;
   }
   if (options.progress) options.progress("fitting the declared model");
-  Result<EffectFit> declared = FitDeclared(prepared);
+  Result<EffectFit> declared = FitWithDeclaredEffects(prepared);
   if (!declared.ok()) {
     if (declared.status().code() == StatusCode::kBadInput) return declared.status();
     result.status = declared.status();
@@ -319,7 +330,7 @@ Result<LoopResult> CloseLoop(const PreparedStudy& as_recorded, const LoopOptions
   result.declared = ErrorsOf(loop.model(), result.held_out_by_blocks);
   for (int sweep = 0; sweep <= kSweeps; ++sweep) {
     bool added = false;
-    while (static_cast<int>(loop.model().fit.prepared.effects.size()) < options.max_effects) {
+    while (loop.added() < options.max_effects) {
       if (!loop.Add(&result)) break;
       added = true;
     }

@@ -1,7 +1,8 @@
 // Closing the loop: residual -> missing effect -> added -> error before and after, until nothing is left to add.
 //
-// 1. The declared model is fitted by the bundle (gains identified or known), with velocities zero at rest
-//    (SetVelocityZeroAtRest), so that friction of noise is not traced.
+// 1. The declared model, with the effects of the study's key (solvers/declared_effects.h), is fitted by the bundle
+//    (gains identified or known), with velocities zero at rest (SetVelocityZeroAtRest), so that friction of noise is
+//    not traced.
 // 2. All candidates are scanned (solvers/effect_scan.h). One is added if its corrected score test passes and if it
 //    lowers the held-out error of its joints by more than `margin`, by more than two standard errors of the folds or in
 //    at least 85 % of them.

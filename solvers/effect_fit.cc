@@ -217,21 +217,7 @@ std::vector<ActiveEffect> OfWrongSign(const EffectFit& fit) {
 }
 
 Identification IdentificationOf(const EffectFit& fit) {
-  Identification result = IdentificationOf(fit.prepared, fit.data, fit.summary, fit.begun);
-  const std::vector<int> first = FirstParameters(fit.prepared);
-  for (size_t e = 0; e < fit.prepared.effects.size(); ++e) {
-    const ActiveEffect& active = fit.prepared.effects[e];
-    const int shapes = active.values.size() > 0 ? static_cast<int>(active.shape.size()) : 0;
-    for (int s = 0; s < shapes; ++s) {
-      const std::string& name = fit.prepared.effect_parameters[first[e + 1] - shapes + s].name;
-      for (ParameterEstimate& p : result.estimate.parameters) {
-        if (p.parameter.name != name) continue;
-        p.value += active.shape[s];
-        for (double& end : p.interval95) end += active.shape[s];
-      }
-    }
-  }
-  return result;
+  return IdentificationOf(fit.prepared, fit.data, fit.summary, fit.begun);
 }
 
 }  // namespace idim

@@ -284,4 +284,13 @@ EffectScan ScanEffects(const PreparedStudy& prepared, const ResidualModel& resid
   return scan;
 }
 
+ActiveEffect FindShape(const PreparedStudy& prepared, const ResidualModel& residual, const ArmParameters& arm,
+                       const ActiveEffect& effect) {
+  const std::vector<EffectMotion> motions = MotionsOf(prepared, arm);
+  const Columns columns(prepared, residual, motions, arm);
+  const Place place = {effect.effect, effect.joints};
+  int tried = 0;
+  return ShapeSearch(place, columns, residual).Run(&tried).effect;
+}
+
 }  // namespace idim

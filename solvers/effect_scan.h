@@ -52,6 +52,10 @@ struct EffectScan {
 EffectScan ScanEffects(const PreparedStudy& prepared, const ResidualModel& residual, const ArmParameters& arm,
                        const ScanOptions& options);
 
+// The effect at the shape that explains most of what the model leaves; its own shape is not looked at.
+ActiveEffect FindShape(const PreparedStudy& prepared, const ResidualModel& residual, const ArmParameters& arm,
+                       const ActiveEffect& effect);
+
 }  // namespace idim
 
 #endif  // IDIM_SOLVERS_EFFECT_SCAN_H_

@@ -127,7 +127,10 @@ std::vector<std::string> Inessential(const BundleData& data, const BundleSummary
   };
   return EliminateInessential(
              data.unknowns, ratio,
-             [](const Parameter& parameter) { return parameter.kind == ParameterKind::kDriveGain; }, solve)
+             [](const Parameter& parameter) {
+               return parameter.kind == ParameterKind::kDriveGain || parameter.kind == ParameterKind::kEffectShape;
+             },
+             solve)
       .eliminated;
 }
 

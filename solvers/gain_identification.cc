@@ -245,7 +245,9 @@ GainSummary SolveGains(const GainSystem& system, const GainOptions& options) {
   Solver solver(system, options, joint_noise, summary.joint_sigma);
   const Essential essential = EliminateInessential(
       system.unknowns, options.essential_ratio,
-      [](const Parameter& parameter) { return parameter.kind == ParameterKind::kDriveGain; },
+      [](const Parameter& parameter) {
+        return parameter.kind == ParameterKind::kDriveGain || parameter.kind == ParameterKind::kEffectShape;
+      },
       [&](const std::vector<int>& kept) { return solver.Solve(kept); });
   summary.eliminated = essential.eliminated;
   summary.degrees_of_freedom = solver.degrees_of_freedom();

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "solvers/active_effects.h"
 #include "solvers/prediction.h"
 
 namespace idim {
@@ -51,10 +52,10 @@ LoopErrors ErrorsOf(const JudgedFit& model, bool by_blocks) {
   if (by_blocks) {
     validation.Add(model.held_out.residual, torque, velocity);
   } else {
-    const ArmParameters arm = model.fit.Arm();
-    for (const PreparedRecording& recording : model.fit.prepared.recordings) {
+    const StatedModel stated = AsStated(model.fit.prepared, model.fit.Arm());
+    for (const PreparedRecording& recording : stated.prepared.recordings) {
       if (recording.entry.use == Use::kIdentification) continue;
-      const RecordingSeries series = Predict(model.fit.prepared, recording, arm);
+      const RecordingSeries series = Predict(stated.prepared, recording, stated.arm);
       validation.Add(series.decimated_torque - series.decimated_model, series.decimated_torque,
                      recording.decimator.Apply(recording.states.dq));
     }

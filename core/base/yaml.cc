@@ -182,6 +182,14 @@ std::string YamlFile::Text(const YAML::Node& node, const std::string& key, const
   return node.Scalar();
 }
 
+std::vector<int> YamlFile::Joints(const YAML::Node& node, const std::string& key, int dof,
+                                  const std::string& expected) {
+  std::vector<int> joints;
+  if (!List(node, key, expected)) return joints;
+  for (size_t i = 0; i < node.size(); ++i) joints.push_back(Integer(node[i], KeyPath(key, i), 1, dof) - 1);
+  return joints;
+}
+
 int YamlFile::Choice(const YAML::Node& node, const std::string& key, const std::vector<std::string>& words) {
   const std::string word = Text(node, key, "one of " + Join(words, ", "));
   if (!ok()) return 0;

@@ -42,6 +42,8 @@ class YamlFile {
   double PositiveNumber(const YAML::Node& node, const std::string& key);
   int Integer(const YAML::Node& node, const std::string& key, int smallest, int largest);
   std::string Text(const YAML::Node& node, const std::string& key, const std::string& expected);
+  // One-based joints of a robot with `dof`, as zero-based ones; `expected` names the list.
+  std::vector<int> Joints(const YAML::Node& node, const std::string& key, int dof, const std::string& expected);
   // One of the given words; returns its index, 0 after a failure.
   int Choice(const YAML::Node& node, const std::string& key, const std::vector<std::string>& words);
   // A list of exactly `size` numbers; zeros after a failure. `what` explains the size ("one a joint").

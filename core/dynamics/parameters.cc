@@ -19,6 +19,7 @@ const char* ParameterKindName(ParameterKind kind) {
     case ParameterKind::kPayload:
       return "payload";
     case ParameterKind::kEffect:
+    case ParameterKind::kEffectShape:
       return "effect";
   }
   LOG(FATAL) << "no such kind of parameter";

@@ -8,9 +8,9 @@
 
 namespace idim {
 
-enum class ParameterKind { kDriveGain, kBase, kFriction, kDriveInertia, kPayload, kEffect };
+enum class ParameterKind { kDriveGain, kBase, kFriction, kDriveInertia, kPayload, kEffect, kEffectShape };
 
-// "drive_gain", "base", ... as in estimate.json.
+// "drive_gain", "base", ... as in estimate.json, where a shape is an "effect" too.
 const char* ParameterKindName(ParameterKind kind);
 
 struct Parameter {

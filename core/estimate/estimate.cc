@@ -75,6 +75,16 @@ nlohmann::ordered_json EstimateJson(const Estimate& e) {
       json["parameters"].back()["model_standard_deviation"] = p.model_standard_deviation;
     }
   }
+  if (!e.effects.empty()) {
+    json["effects"] = Json::array();
+    for (const EstimatedEffect& effect : e.effects) {
+      Json joints = Json::array(), shape = Json::object();
+      for (const int joint : effect.joints) joints.push_back(joint + 1);
+      for (const auto& [name, value] : effect.shape) shape[name] = value;
+      json["effects"].push_back({{"id", effect.id}, {"joints", joints}, {"shape", shape}});
+    }
+  }
+  if (e.velocity_zero_at_rest) json["velocity_zero_at_rest"] = true;
   json["covariance"] = ToJson(e.covariance);
   json["eliminated"] = e.eliminated;
   json["without_effect"] = e.without_effect;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/status.h"
@@ -49,6 +50,13 @@ struct GainDiagnosis {
   std::string sentence;
 };
 
+// An effect in the model of an estimate, and the shape of its columns. The values are among the parameters.
+struct EstimatedEffect {
+  std::string id;
+  std::vector<int> joints;                                 // zero-based
+  std::vector<std::pair<std::string, double>> shape = {};  // by name
+};
+
 struct Estimate {
   Status status;
   std::string robot;
@@ -64,6 +72,8 @@ struct Estimate {
   std::vector<GainDiagnosis> gain_diagnoses;  // where gains are identified
   Eigen::VectorXd singular_values;            // of W_tot, decreasing; total least squares only
   std::vector<RecordingFit> recordings;
+  std::vector<EstimatedEffect> effects;
+  bool velocity_zero_at_rest = false;  // in the model's velocities (core/observation/prepared_study.h)
   double condition_number = -1.0;
   double condition_number_weighted = -1.0;
   double relative_error_percent = -1.0;  // of all identification recordings together, the paper's |rho| / |Y|

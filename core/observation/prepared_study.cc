@@ -82,6 +82,7 @@ void SetRest(const Preprocessing& preprocessing, const Eigen::VectorXd& position
 
 void SetVelocityZeroAtRest(PreparedStudy* prepared) {
   CHECK_EQ(prepared->position_sigma.size(), prepared->study.robot.dof());
+  prepared->velocity_zero_at_rest = true;
   for (PreparedRecording& recording : prepared->recordings) {
     SetRest(prepared->preprocessing, prepared->position_sigma, prepared->velocity_sigma, &recording.states);
   }

@@ -44,6 +44,7 @@ struct PreparedStudy {
   Eigen::VectorXd position_sigma = {};     // n [rad or m], of the undecimated q; empty: not known
   std::vector<ActiveEffect> effects = {};  // beside declared friction; set by SetEffects (solvers/active_effects.h)
   std::vector<Parameter> effect_parameters = {};
+  bool velocity_zero_at_rest = false;  // SetVelocityZeroAtRest() was called
 
   // What the columns of an observation belong to: base parameters, then those of the effects.
   std::vector<Parameter> parameters() const;

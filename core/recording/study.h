@@ -12,6 +12,7 @@
 
 #include "core/base/status.h"
 #include "core/dynamics/standard_model.h"
+#include "core/effects/effect.h"
 #include "core/recording/recording.h"
 #include "core/robot/robot.h"
 
@@ -58,6 +59,21 @@ struct RecordingEntry {
   std::optional<std::pair<int, int>> rows;
 };
 
+// A start value for a shape parameter. Names and limits depend on the motion: solvers/declared_effects.h checks them.
+struct DeclaredShape {
+  std::string name;
+  double value = 0.0;
+  std::string where;  // "file:line: key '...'", for messages
+};
+
+// An effect that the user declares to be there, at one place.
+struct DeclaredEffect {
+  const Effect* effect = nullptr;    // none of the declared friction
+  std::vector<int> joints;           // zero-based, see Effect::Parameters()
+  std::vector<DeclaredShape> shape;  // empty: to be found
+  std::string where;                 // "file:line: key '...'", for messages
+};
+
 struct PreprocessingRequest {
   std::optional<double> cutoff_hz;
   std::optional<int> decimation;
@@ -75,6 +91,7 @@ struct Study {
   Eigen::VectorXd gains;
   std::vector<Prior> priors;
   FrictionModel friction;
+  std::vector<DeclaredEffect> effects;  // one a place: joints [1, 2] of a joint's effect make two
   Side position_side = Side::kJoint;
   Side signal_side = Side::kJoint;
   // Keyed like the contract: "t", "q1", "v1", "tau1", "dq1", "ddq1"; only those the study declares.
@@ -91,7 +108,8 @@ struct Study {
 // Defaults: gains known and 1; friction viscous, coulomb, offset; both sides joint; a recording's name is that of its
 // file without the extension, its use identification. Refused, naming file, line and key: unknown keys (with the
 // nearest known one), wrong types and lengths, values that are not finite, a recording that is nowhere, names given
-// twice, an undeclared payload, no identification recording, `effects` (not supported yet).
+// twice, an undeclared payload, no identification recording, effects of unknown id, of the declared friction, at joints
+// that there are not or twice at a place.
 Result<Study> ReadStudy(const std::string& yaml_path);
 
 // Reads the files of one entry and maps positions to the joint side (motor side: q = T^-1 q_motor, dq and ddq alike).

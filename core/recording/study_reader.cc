@@ -7,6 +7,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/base/yaml.h"
+#include "core/effects/effect.h"
 #include "core/recording/data_path.h"
 #include "core/recording/study.h"
 #include "core/robot/robot_reader.h"
@@ -35,7 +36,7 @@ class StudyReader {
     ReadGains(root["gains"]);
     if (root["priors"].IsDefined()) ReadPriors(root["priors"]);
     if (root["friction"].IsDefined()) ReadFriction(root["friction"]);
-    if (root["effects"].IsDefined()) RefuseEffects(root["effects"]);
+    if (root["effects"].IsDefined()) ReadEffects(root["effects"]);
     if (root["position_side"].IsDefined()) study_.position_side = ReadSide(root["position_side"], "position_side");
     if (root["signal_side"].IsDefined()) study_.signal_side = ReadSide(root["signal_side"], "signal_side");
     if (root["columns"].IsDefined()) ReadColumns(root["columns"]);
@@ -123,7 +124,7 @@ class StudyReader {
       prior.value = file_.Number(list[i]["value"], KeyPath(key, "value"));
       prior.standard_deviation =
           file_.PositiveNumber(list[i]["standard_deviation"], KeyPath(key, "standard_deviation"));
-      prior.where = file_.path() + ":" + std::to_string(list[i].Mark().line + 1) + ": key '" + key + "'";
+      prior.where = Where(list[i], key);
       for (const Prior& other : study_.priors) {
         if (other.parameter == prior.parameter)
           file_.Fail(list[i], key, "'" + prior.parameter + "' is given twice", "one prior");
@@ -251,9 +252,89 @@ class StudyReader {
     }
   }
 
-  void RefuseEffects(const YAML::Node& list) {
-    if (!file_.List(list, "effects", "a list of effects") || list.size() == 0) return;
-    file_.Fail(list, "effects", "declared effects are not supported by this version", "an empty list");
+  void ReadEffects(const YAML::Node& list) {
+    if (!file_.List(list, "effects", "a list of {id: .., joints: [..]}")) return;
+    for (size_t i = 0; i < list.size() && file_.ok(); ++i) ReadEffect(list[i], KeyPath("effects", i));
+  }
+
+  void ReadEffect(const YAML::Node& node, const std::string& key) {
+    if (!file_.Map(node, key, {"id", "joints", "shape"}) ||
+        !file_.Require(node, key, "id", "the id of an effect, such as stribeck")) {
+      return;
+    }
+    DeclaredEffect effect;
+    const std::string id_key = KeyPath(key, "id");
+    const std::string id = file_.Text(node["id"], id_key, "the id of an effect");
+    std::vector<std::string> ids;
+    for (const Effect* known : AllEffects()) {
+      if (!known->in_standard_model()) ids.push_back(known->id());
+      if (known->id() == id) effect.effect = known;
+    }
+    if (effect.effect != nullptr && effect.effect->in_standard_model()) {
+      file_.Fail(node["id"], id_key, "'" + id + "' is part of the drive model", "it in the list of key 'friction'");
+    }
+    file_.Choice(node["id"], id_key, ids);
+    if (!file_.ok()) return;
+    effect.where = Where(node, key);
+    if (node["shape"].IsDefined()) ReadShape(node["shape"], KeyPath(key, "shape"), &effect);
+    const EffectSite site = effect.effect->site();
+    const std::string joints_key = KeyPath(key, "joints");
+    std::vector<int> joints;
+    if (site == EffectSite::kArm) {
+      if (node["joints"].IsDefined() && node["joints"].size() > 0) {
+        file_.Fail(node["joints"], joints_key, "'" + id + "' is an effect of the whole arm", "no joints");
+      }
+    } else {
+      const std::string expected = site == EffectSite::kJoint ? "a list of joints" : "a list of two joints";
+      if (!file_.Require(node, key, "joints", expected)) return;
+      joints = file_.Joints(node["joints"], joints_key, n_, expected);
+      if (site == EffectSite::kJointPair ? joints.size() != 2 : joints.empty()) {
+        file_.Fail(node["joints"], joints_key, std::to_string(joints.size()) + " joints for '" + id + "'",
+                   site == EffectSite::kJoint ? "one or more" : "two");
+      }
+      std::sort(joints.begin(), joints.end());
+      if (std::adjacent_find(joints.begin(), joints.end()) != joints.end()) {
+        file_.Fail(node["joints"], joints_key, "a joint is given twice", "distinct joints");
+      }
+    }
+    if (!file_.ok()) return;
+    if (site != EffectSite::kJoint) {
+      AddEffect(effect, joints, node, key);
+      return;
+    }
+    for (const int joint : joints) AddEffect(effect, {joint}, node, key);
+  }
+
+  void AddEffect(DeclaredEffect effect, const std::vector<int>& joints, const YAML::Node& node,
+                 const std::string& key) {
+    for (const DeclaredEffect& other : study_.effects) {
+      if (other.effect != effect.effect || other.joints != joints) continue;
+      const std::string place = joints.empty() ? "" : " on joint " + std::to_string(joints[0] + 1);
+      file_.Fail(node, key, "'" + effect.effect->id() + "'" + place + " is given twice",
+                 "one effect of an id at a place");
+    }
+    effect.joints = joints;
+    study_.effects.push_back(std::move(effect));
+  }
+
+  void ReadShape(const YAML::Node& node, const std::string& key, DeclaredEffect* effect) {
+    if (!node.IsMap()) {
+      file_.Fail(node, key, "not a mapping", "start values of shape parameters by name, such as {x_s: 0.001}");
+      return;
+    }
+    for (const auto& entry : node) {
+      const std::string name = file_.Text(entry.first, key, "the name of a shape parameter");
+      const std::string value_key = KeyPath(key, name);
+      for (const DeclaredShape& other : effect->shape) {
+        if (other.name == name) file_.Fail(entry.first, value_key, "given twice", "one start value");
+      }
+      effect->shape.push_back({name, file_.Number(entry.second, value_key), Where(entry.second, value_key)});
+    }
+  }
+
+  // As YamlFile::Fail begins its messages, for what is found wrong only later.
+  std::string Where(const YAML::Node& node, const std::string& key) const {
+    return file_.path() + ":" + std::to_string(node.Mark().line + 1) + ": key '" + key + "'";
   }
 
   Side ReadSide(const YAML::Node& node, const std::string& key) {

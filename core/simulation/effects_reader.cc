@@ -27,12 +27,8 @@ SimulatedEffect ReadOne(YamlFile* file, const YAML::Node& node, const std::strin
   if (kind.joints != EffectJoints::kNone) {
     const std::string expected = kind.joints == EffectJoints::kTwo ? "a list of two joints" : "a list of joints";
     const std::string joints_key = KeyPath(key, "joints");
-    if (!file->Require(node, key, "joints", expected) || !file->List(node["joints"], joints_key, expected)) {
-      return effect;
-    }
-    for (size_t i = 0; i < node["joints"].size(); ++i) {
-      effect.joints.push_back(file->Integer(node["joints"][i], KeyPath(joints_key, i), 1, scenario.robot.dof()) - 1);
-    }
+    if (!file->Require(node, key, "joints", expected)) return effect;
+    effect.joints = file->Joints(node["joints"], joints_key, scenario.robot.dof(), expected);
   }
   for (const SimulatedEffectKey& value : kind.keys) {
     const YAML::Node given = node[value.name];

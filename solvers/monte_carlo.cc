@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "core/simulation/simulate.h"
+#include "solvers/active_effects.h"
+#include "solvers/declared_effects.h"
 #include "solvers/estimators.h"
 #include "solvers/gain_system.h"
 #include "solvers/payload_unknowns.h"
@@ -37,10 +39,12 @@ Result<ArmParameters> ArmOf(const PreparedStudy& prepared, const Estimate& estim
   for (const ParameterEstimate& p : estimate.parameters) {
     reference.parameters.push_back({p.parameter.name, p.value, p.standard_deviation});
   }
+  for (const EstimatedEffect& effect : estimate.effects) reference.effects.push_back(effect);
   return ParametersOf(prepared, reference);
 }
 
-// Of the model, in the order of the estimates: gains where they are identified, base parameters, unknown payloads'.
+// Of the model, in the order of the estimates: gains where they are identified, base parameters, those of effects,
+// unknown payloads'.
 std::vector<TrueParameter> TrueParameters(const PreparedStudy& prepared, const ArmParameters& arm) {
   const Study& study = prepared.study;
   std::vector<Parameter> names;
@@ -49,9 +53,12 @@ std::vector<TrueParameter> TrueParameters(const PreparedStudy& prepared, const A
     names = GainParameters(study.robot.dof());
     values.assign(arm.gains.data(), arm.gains.data() + arm.gains.size());
   }
-  const std::vector<Parameter>& base = prepared.base.parameters();
-  names.insert(names.end(), base.begin(), base.end());
-  values.insert(values.end(), arm.chi.data(), arm.chi.data() + arm.chi.size());
+  const std::vector<Parameter> of_model = prepared.parameters();
+  names.insert(names.end(), of_model.begin(), of_model.end());
+  Eigen::VectorXd chi = arm.chi;
+  const Eigen::VectorXd shapes = ShapeOffsets(prepared);
+  chi.tail(shapes.size()) += shapes;
+  values.insert(values.end(), chi.data(), chi.data() + chi.size());
   const auto columns = AppendPayloadUnknowns(study, &names);
   values.resize(names.size());
   for (size_t p = 0; p < columns.size(); ++p) {
@@ -62,6 +69,27 @@ std::vector<TrueParameter> TrueParameters(const PreparedStudy& prepared, const A
   std::vector<TrueParameter> parameters;
   for (size_t k = 0; k < names.size(); ++k) parameters.push_back({names[k], values[k]});
   return parameters;
+}
+
+// To be declared in every run, where shapes begin from the truth.
+std::vector<DeclaredEffect> EffectsAt(const StatedModel& stated) {
+  std::vector<DeclaredEffect> effects;
+  for (const ActiveEffect& active : stated.prepared.effects) {
+    DeclaredEffect declared;
+    declared.effect = active.effect;
+    declared.joints = active.joints;
+    declared.where = stated.prepared.study.path + ": " + EffectTitle(active);
+    const std::vector<ShapeParameter> shapes = ShapesAlong(stated.prepared, *active.effect, active.joints);
+    // Limits differ a little from run to run; recordings, by which payload_change counts, from those of the study.
+    for (size_t s = 0; s < shapes.size() && active.effect->id() != "payload_change"; ++s) {
+      const double margin = 0.01 * (shapes[s].upper - shapes[s].lower);
+      const double start = std::clamp(active.shape[static_cast<Eigen::Index>(s)], shapes[s].lower + margin,
+                                      shapes[s].upper - margin);
+      declared.shape.push_back({shapes[s].name, start, declared.where});
+    }
+    effects.push_back(std::move(declared));
+  }
+  return effects;
 }
 
 Result<Simulator> MakeSimulator(const PreparedStudy& prepared, const Estimate& reference) {
@@ -83,13 +111,15 @@ Result<Simulator> MakeSimulator(const PreparedStudy& prepared, const Estimate& r
   simulator.parameters = TrueParameters(prepared, *arm);
   simulator.noise.position = prepared.position_noise;
   simulator.noise.signal = reference.signal_noise;
-  for (const PreparedRecording& recording : prepared.recordings) {
+  const StatedModel stated = AsStated(prepared, *arm);
+  simulator.study.effects = EffectsAt(stated);
+  for (const PreparedRecording& recording : stated.prepared.recordings) {
     if (recording.entry.use != Use::kIdentification) continue;
     simulator.study.recordings.push_back(recording.entry);
     Truth truth;
     truth.t = recording.recording.t;
     truth.q = recording.states.q;
-    truth.torque = Predict(prepared, recording, *arm).model;
+    truth.torque = Predict(stated.prepared, recording, stated.arm).model;
     truth.signal = inverse.solve(truth.torque.transpose()).transpose();
     simulator.truths.push_back(std::move(truth));
     simulator.signal_is_torque.push_back(recording.recording.signal_is_torque);
@@ -128,7 +158,9 @@ std::vector<RunErrors> OneRun(const Simulator& simulator, const std::vector<std:
     for (const std::string& name : estimators) errors.push_back(ErrorsOf(simulator.parameters, Failed(name, status)));
     return errors;
   };
-  const Result<PreparedStudy> prepared = PrepareStudy(simulator.study, std::move(recordings));
+  const Result<PreparedStudy> plain = PrepareStudy(simulator.study, std::move(recordings));
+  if (!plain.ok()) return fail(plain.status());
+  const Result<PreparedStudy> prepared = DeclareEffects(*plain);
   if (!prepared.ok()) return fail(prepared.status());
   const Result<EstimatorRunner> runner = EstimatorRunner::Create(&*prepared);
   if (!runner.ok()) return fail(runner.status());

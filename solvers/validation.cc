@@ -1,5 +1,6 @@
 #include "solvers/validation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -7,6 +8,7 @@
 #include "core/base/text.h"
 #include "core/observation/observation_stream.h"
 #include "core/statistics/triangular_factor.h"
+#include "solvers/active_effects.h"
 #include "solvers/gain_system.h"
 #include "solvers/identification.h"
 #include "solvers/least_squares.h"
@@ -46,10 +48,48 @@ std::optional<InertialVector> PayloadOf(const Study& study, int payload, const R
   return body;
 }
 
+// Without any torque, for columns of which only the names matter.
+ArmParameters RestingArm(const PreparedStudy& prepared) {
+  ArmParameters arm;
+  arm.gains = VectorXd::Ones(prepared.study.robot.dof());
+  arm.chi = VectorXd::Zero(prepared.num_columns());
+  arm.payloads.assign(prepared.study.payloads.size(), InertialVector::Zero());
+  return arm;
+}
+
 double ConditionOf(const PreparedStudy& prepared, const PreparedRecording& recording) {
-  TriangularFactor factor(prepared.num_columns());
-  StreamObservations(prepared, recording, [&](const Observation& observation) { factor.AddRows(observation.columns); });
+  const int base = prepared.base.size();
+  TriangularFactor factor(base);
+  StreamObservations(prepared, recording,
+                     [&](const Observation& observation) { factor.AddRows(observation.columns.leftCols(base)); });
   return ConditionNumber(factor.R());
+}
+
+// Effects that act in none of the recordings (a mass taken up in another one) have columns of zeros.
+void DropIdleEffects(PreparedStudy* prepared) {
+  const std::vector<int> first = FirstParameters(*prepared);
+  std::vector<ActiveEffect> effects;
+  std::vector<Parameter> parameters;
+  std::vector<int> index(prepared->effect_parameters.size(), -1);
+  for (size_t e = 0; e < prepared->effects.size(); ++e) {
+    bool acts = false;
+    for (const PreparedRecording& recording : prepared->recordings) {
+      for (const EffectEntry& entry : recording.effects) {
+        acts |= entry.parameter >= first[e] && entry.parameter < first[e + 1];
+      }
+    }
+    if (!acts) continue;
+    effects.push_back(prepared->effects[e]);
+    for (int k = first[e]; k < first[e + 1]; ++k) {
+      index[static_cast<size_t>(k)] = static_cast<int>(parameters.size());
+      parameters.push_back(prepared->effect_parameters[static_cast<size_t>(k)]);
+    }
+  }
+  for (PreparedRecording& recording : prepared->recordings) {
+    for (EffectEntry& entry : recording.effects) entry.parameter = index[static_cast<size_t>(entry.parameter)];
+  }
+  prepared->effects = std::move(effects);
+  prepared->effect_parameters = std::move(parameters);
 }
 
 std::optional<MassEstimate> EstimateMass(const PreparedStudy& prepared, const PreparedRecording& recording,
@@ -70,6 +110,7 @@ std::optional<MassEstimate> EstimateMass(const PreparedStudy& prepared, const Pr
   both.recordings.back().entry.payload = 0;
   both.study.recordings.clear();
   for (const PreparedRecording& r : both.recordings) both.study.recordings.push_back(r.entry);
+  DropIdleEffects(&both);
   const Result<Identification> identification = IdentifyLinear(both, LinearOptions());
   if (!identification.ok() || !identification->estimate.status.ok()) return std::nullopt;
   MassEstimate mass;
@@ -88,6 +129,51 @@ std::optional<MassEstimate> EstimateMass(const PreparedStudy& prepared, const Pr
 std::optional<double> MassEstimate::ErrorPercent() const {
   if (!weighed) return std::nullopt;
   return 100.0 * std::abs(*weighed - value) / *weighed;
+}
+
+Result<PreparedStudy> WithEffectsOf(const PreparedStudy& prepared, const Reference& estimate) {
+  PreparedStudy with = prepared;
+  if (estimate.velocity_zero_at_rest && !with.velocity_zero_at_rest) SetVelocityZeroAtRest(&with);
+  const int n = prepared.study.robot.dof();
+  std::vector<ActiveEffect> effects;
+  for (const EstimatedEffect& stated : estimate.effects) {
+    const std::string where = "estimate '" + estimate.name + "': effect '" + stated.id + "'";
+    ActiveEffect active{FindEffect(stated.id), stated.joints, VectorXd()};
+    if (active.effect == nullptr || active.effect->in_standard_model()) {
+      return Status::BadInput(where + ": no such effect; expected one of those that a study can declare");
+    }
+    const EffectSite site = active.effect->site();
+    const size_t expected = site == EffectSite::kArm ? 0 : site == EffectSite::kJoint ? 1 : 2;
+    const std::vector<int>& joints = stated.joints;
+    if (joints.size() != expected || !std::is_sorted(joints.begin(), joints.end()) ||
+        std::adjacent_find(joints.begin(), joints.end()) != joints.end() || (expected > 0 && joints.back() >= n)) {
+      return Status::BadInput(where + ": key 'joints': expected " + std::to_string(expected) +
+                              " increasing joints of the " + std::to_string(n) + " of " + prepared.study.path);
+    }
+    for (const ActiveEffect& other : effects) {
+      if (SameEffect(other, active)) return Status::BadInput(where + ": given twice; expected once at a place");
+    }
+    const std::vector<ShapeParameter> shapes = ShapesAlong(prepared, *active.effect, joints);
+    active.shape.resize(static_cast<Eigen::Index>(shapes.size()));
+    for (size_t s = 0; s < shapes.size(); ++s) {
+      const auto found = std::find_if(stated.shape.begin(), stated.shape.end(),
+                                      [&](const auto& shape) { return shape.first == shapes[s].name; });
+      // Limits are those of a motion, which need not be that of the estimate.
+      const double value = found == stated.shape.end() ? -1.0 : found->second;
+      if (!(value > 0.0 || (found != stated.shape.end() && value >= shapes[s].lower && value <= shapes[s].upper))) {
+        return Status::BadInput(where + ": key 'shape." + shapes[s].name + "': expected a positive number, about " +
+                                Format("%.3g to %.3g", shapes[s].lower, shapes[s].upper));
+      }
+      active.shape[static_cast<Eigen::Index>(s)] = value;
+    }
+    if (stated.shape.size() != shapes.size()) {
+      return Status::BadInput(where + ": key 'shape': has " + std::to_string(stated.shape.size()) +
+                              " numbers; expected " + std::to_string(shapes.size()));
+    }
+    effects.push_back(std::move(active));
+  }
+  SetEffects(effects, MotionsOf(prepared, RestingArm(prepared)), &with);
+  return with;
 }
 
 Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Reference& estimate) {
@@ -114,12 +200,14 @@ Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Referenc
                             " leaves them to be identified (key 'gains.mode'); expected gains in one of them");
   }
   const std::vector<Parameter> of_model = prepared.parameters();
+  const VectorXd shapes = ShapeOffsets(prepared);
   arm.chi = VectorXd::Zero(prepared.num_columns());
   int found = 0;
   for (int k = 0; k < prepared.num_columns(); ++k) {
     const Reference::Entry* entry = estimate.Find(of_model[k].name);
     if (entry == nullptr) continue;
-    arm.chi[k] = entry->value;
+    const int effect = k - prepared.base.size();
+    arm.chi[k] = entry->value - (effect >= 0 ? shapes[effect] : 0.0);
     ++found;
   }
   const std::string payload_link = std::to_string(n + 1);
@@ -129,6 +217,11 @@ Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Referenc
     bool known = false;
     for (const std::string& name : names) known |= name == entry.name;
     for (const Parameter& gain : gains) known |= gain.name == entry.name;
+    for (const EstimatedEffect& effect : estimate.effects) {
+      for (const auto& shape : effect.shape) {
+        known |= entry.name == ShapeParameterName(effect.id, shape.first, effect.joints);
+      }
+    }
     for (int k = 0; k < kNumInertial; ++k) {
       const std::string name = kStandardNames[k] + payload_link;
       known |= entry.name == name || entry.name.rfind(name + "_", 0) == 0;
@@ -150,9 +243,13 @@ Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Referenc
   return arm;
 }
 
-Result<Validation> Validate(const PreparedStudy& prepared, const Reference& estimate) {
-  const Result<ArmParameters> arm = ParametersOf(prepared, estimate);
+Result<Validation> Validate(const PreparedStudy& as_recorded, const Reference& estimate) {
+  const Result<PreparedStudy> with_effects = WithEffectsOf(as_recorded, estimate);
+  if (!with_effects.ok()) return with_effects.status();
+  const Result<ArmParameters> arm = ParametersOf(*with_effects, estimate);
   if (!arm.ok()) return arm.status();
+  const StatedModel stated = AsStated(*with_effects, *arm);
+  const PreparedStudy& prepared = stated.prepared;
   Validation validation;
   validation.name = estimate.name;
   validation.warning = estimate.warning;
@@ -163,7 +260,7 @@ Result<Validation> Validate(const PreparedStudy& prepared, const Reference& esti
     result.name = recording.entry.name;
     if (recording.entry.payload >= 0) result.payload = prepared.study.payloads[recording.entry.payload].name;
     if (result.payload.empty() || PayloadOf(prepared.study, recording.entry.payload, estimate)) {
-      validation.series.push_back(Predict(prepared, recording, *arm));
+      validation.series.push_back(Predict(prepared, recording, stated.arm));
       result.fit = FitOf(validation.series.back());
     }
     result.condition_number = ConditionOf(prepared, recording);

@@ -6,6 +6,11 @@
 // payload parameters unknown and the torque computed with the estimate's gains (Tables VII and VIII). The mass is what
 // a scale can check: gains wrong by a factor make the mass wrong by it.
 
+// Effects in the model (key `effects` of an estimate.json) are the estimate's, whatever the study declares: their
+// columns along the validation recordings come from the estimate's own model (AsStated(), solvers/active_effects.h), so
+// that errors are those which the program that wrote it reports. For the mass they are estimated anew with the rest,
+// but for payload_change, which is what is sought.
+
 #ifndef IDIM_SOLVERS_VALIDATION_H_
 #define IDIM_SOLVERS_VALIDATION_H_
 
@@ -46,9 +51,14 @@ struct Validation {
   std::vector<RecordingSeries> series;  // of the recordings with a fit
 };
 
-// The parameters of an estimate.json in the order of the study's model. Gains: the estimate's, else the study's. Base
-// parameters that it lacks are zero (not essential). BadInput: it states another robot; neither has gains; it has
-// parameters that the study's model does not; it has none of the model's.
+// The study with the effects of an estimate.json at their stated shapes, and with velocities zero at rest where that
+// was fitted so. Shapes get no columns; those of the effects wait for a model (AsStated()). BadInput: an effect or a
+// shape that there is not, joints that the robot does not have.
+Result<PreparedStudy> WithEffectsOf(const PreparedStudy& prepared, const Reference& estimate);
+
+// The parameters of an estimate.json in the order of the study's model, of shapes the step from the study's. Gains: the
+// estimate's, else the study's. Base parameters that it lacks are zero (not essential). BadInput: it states another
+// robot; neither has gains; it has parameters that the study's model does not; it has none of the model's.
 Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Reference& estimate);
 
 // BadInput: as ParametersOf; a study without validation recording.

@@ -1,5 +1,6 @@
 #include "core/estimate/reference.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -22,6 +23,27 @@ Result<double> Number(const Json& entry, const char* key, const std::string& whe
     return Status::BadInput(where + ": key '" + key + "': expected a number");
   }
   return found->get<double>();
+}
+
+Result<EstimatedEffect> ParseEffect(const Json& entry, const std::string& where) {
+  EstimatedEffect effect;
+  if (!entry.is_object() || !entry.contains("id") || !entry["id"].is_string()) {
+    return Status::BadInput(where + ": key 'id': expected the id of an effect, such as \"stribeck\"");
+  }
+  effect.id = entry["id"].get<std::string>();
+  const Json joints = entry.value("joints", Json::array());
+  const bool are_joints = joints.is_array() && std::all_of(joints.begin(), joints.end(), [](const Json& joint) {
+                            return joint.is_number_integer() && joint.get<double>() >= 1.0 && joint.get<double>() < 1e6;
+                          });
+  if (!are_joints) return Status::BadInput(where + ": key 'joints': expected a list of joints, from 1 on");
+  for (const Json& joint : joints) effect.joints.push_back(joint.get<int>() - 1);
+  const Json shape = entry.value("shape", Json::object());
+  if (!shape.is_object()) return Status::BadInput(where + ": key 'shape': expected an object of numbers");
+  for (const auto& [name, value] : shape.items()) {
+    if (!value.is_number()) return Status::BadInput(where + ": key 'shape." + name + "': expected a number");
+    effect.shape.emplace_back(name, value.get<double>());
+  }
+  return effect;
 }
 
 }  // namespace
@@ -80,6 +102,16 @@ Result<Reference> ReadReference(const std::string& path) {
     }
     reference.parameters.push_back(std::move(parsed));
   }
+  const Json effects = json.value("effects", Json::array());
+  if (!effects.is_array()) return Status::BadInput(path + ": key 'effects': expected a list of {id, joints, shape}");
+  for (size_t k = 0; k < effects.size(); ++k) {
+    Result<EstimatedEffect> effect = ParseEffect(effects[k], path + ": effects[" + std::to_string(k) + "]");
+    if (!effect.ok()) return effect.status();
+    reference.effects.push_back(std::move(effect).value());
+  }
+  const Json at_rest = json.value("velocity_zero_at_rest", Json(false));
+  if (!at_rest.is_boolean()) return Status::BadInput(path + ": key 'velocity_zero_at_rest': expected true or false");
+  reference.velocity_zero_at_rest = at_rest.get<bool>();
   return reference;
 }
 

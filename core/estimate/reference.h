@@ -22,14 +22,16 @@ struct Reference {
   std::string robot;    // empty: not stated
   std::string warning;  // why it is not to be trusted, where it says so itself
   std::vector<Entry> parameters;
+  std::vector<EstimatedEffect> effects = {};  // as stated: neither ids nor joints are those of a robot yet
+  bool velocity_zero_at_rest = false;
 
   // nullptr where the reference does not have the parameter.
   const Entry* Find(const std::string& parameter) const;
 };
 
 // JSON in the format of estimate.json, of which "name" (else "estimator", else the file's), "robot", "status",
-// "message", and of "parameters" "name", "value" and "standard_deviation" are read; so an estimate.json is a reference
-// itself. Refuses what is not, naming file and key.
+// "message", "effects", "velocity_zero_at_rest", and of "parameters" "name", "value" and "standard_deviation" are read;
+// so an estimate.json is a reference itself. Refuses what is not, naming file and key.
 Result<Reference> ReadReference(const std::string& path);
 
 // Of a comma-separated list of paths, in its order; empty for an empty list. Those of the same name have their paths

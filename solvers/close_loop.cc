@@ -37,8 +37,7 @@ std::vector<MovedParameter> MovedBetween(const EffectFit& before, const EffectFi
     for (int b = 0; b < after.data.num_unknowns(); ++b) {
       if (after.data.unknowns[b].name != before.data.unknowns[a].name) continue;
       const double was = before.summary.values[a], is = after.summary.values[b];
-      const std::string kind = ParameterKindName(before.data.unknowns[a].kind);
-      if (std::abs(is - was) > factor * deviation && kind != "effect") {
+      if (std::abs(is - was) > factor * deviation && !IsOfEffect(before.data.unknowns[a].kind)) {
         moved.push_back({before.data.unknowns[a], was, is, deviation});
       }
     }

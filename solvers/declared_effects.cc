@@ -80,10 +80,17 @@ std::vector<Prior> PriorsWith(const Study& study, const std::vector<ActiveEffect
   return priors;
 }
 
+// In the study's order, whatever the order in which they are added.
 Result<EffectFit> RefitWith(const EffectFit& from, const Study& study, const std::vector<ActiveEffect>& effects) {
   EffectFit start = from;
   start.prepared.study.priors = PriorsWith(study, effects);
-  return Refit(start, effects);
+  std::vector<ActiveEffect> sorted;
+  for (const DeclaredEffect& declared : study.effects) {
+    for (const ActiveEffect& active : effects) {
+      if (active.effect == declared.effect && active.joints == declared.joints) sorted.push_back(active);
+    }
+  }
+  return Refit(start, sorted);
 }
 
 Status Name(const std::vector<ActiveEffect>& effects, const Study& study, const Status& status) {

@@ -128,7 +128,7 @@ std::vector<std::string> Inessential(const BundleData& data, const BundleSummary
   return EliminateInessential(
              data.unknowns, ratio,
              [](const Parameter& parameter) {
-               return parameter.kind == ParameterKind::kDriveGain || parameter.kind == ParameterKind::kEffectShape;
+               return parameter.kind == ParameterKind::kDriveGain || IsOfEffect(parameter.kind);
              },
              solve)
       .eliminated;

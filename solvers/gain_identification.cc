@@ -246,7 +246,7 @@ GainSummary SolveGains(const GainSystem& system, const GainOptions& options) {
   const Essential essential = EliminateInessential(
       system.unknowns, options.essential_ratio,
       [](const Parameter& parameter) {
-        return parameter.kind == ParameterKind::kDriveGain || parameter.kind == ParameterKind::kEffectShape;
+        return parameter.kind == ParameterKind::kDriveGain || IsOfEffect(parameter.kind);
       },
       [&](const std::vector<int>& kept) { return solver.Solve(kept); });
   summary.eliminated = essential.eliminated;

@@ -51,8 +51,8 @@ Status DiagnoseRank(const Eigen::MatrixXd& w, const std::vector<int>& kept, cons
 
 // Essential parameters (paper IV.B): cancels the parameter with the largest relative standard deviation and solves the
 // rest again, until max / min of the relative standard deviations is below `ratio` (0: at once). Parameters for which
-// `protect` says so count in max / min but are never cancelled (gains, without which there is no torque; steps of
-// shapes, of which zero means that the shape stays).
+// `protect` says so count in max / min but are never cancelled (gains, without which there is no torque; effects,
+// which the study declares, and of which the step of a shape is about zero).
 struct Essential {
   std::vector<int> kept;                // among all, increasing
   std::vector<std::string> eliminated;  // in order of elimination

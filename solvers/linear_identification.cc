@@ -73,8 +73,7 @@ LinearSummary SolveLinear(const LinearSystem& system, const LinearOptions& optio
   if (!summary.status.ok()) return summary;
 
   const Essential essential = EliminateInessential(
-      system.unknowns, options.essential_ratio,
-      [](const Parameter& parameter) { return parameter.kind == ParameterKind::kEffectShape; },
+      system.unknowns, options.essential_ratio, [](const Parameter& parameter) { return IsOfEffect(parameter.kind); },
       [&](const std::vector<int>& columns) {
         return SolveLeastSquares(SelectColumns(r, columns), summary.rows - static_cast<std::int64_t>(columns.size()));
       });

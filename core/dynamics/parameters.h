@@ -13,6 +13,11 @@ enum class ParameterKind { kDriveGain, kBase, kFriction, kDriveInertia, kPayload
 // "drive_gain", "base", ... as in estimate.json, where a shape is an "effect" too.
 const char* ParameterKindName(ParameterKind kind);
 
+// A linear parameter of an effect, or a shape.
+inline bool IsOfEffect(ParameterKind kind) {
+  return kind == ParameterKind::kEffect || kind == ParameterKind::kEffectShape;
+}
+
 struct Parameter {
   std::string name;  // "ZZ1", "Fv3", "Iam6"
   ParameterKind kind = ParameterKind::kBase;

@@ -128,13 +128,50 @@ const std::vector<BadInput> kTable = {
      1,
      {"study.yaml:", "priors[2]", "twice"},
      [](SmallStudy* s) {
-       s->study += "priors:\n  - {parameter: ZZ1R, value: 1, standard_deviation: 1}\n"
-                   "  - {parameter: ZZ1R, value: 2, standard_deviation: 1}\n";
+       s->study +=
+           "priors:\n  - {parameter: ZZ1R, value: 1, standard_deviation: 1}\n"
+           "  - {parameter: ZZ1R, value: 2, standard_deviation: 1}\n";
      }},
     {"DeviationOfAnUnknownMass",
      1,
      {"study.yaml:", "payloads.p.standard_deviation.M", "no M"},
      [](SmallStudy* s) { s->study += "payloads: {p: {MX: 1, standard_deviation: {M: 0.1}}}\n"; }},
+    {"UnknownEffect",
+     1,
+     {"study.yaml:6", "effects[1].id", "stribek", "stribeck"},
+     [](SmallStudy* s) { s->study += "effects:\n  - {id: stribek, joints: [1]}\n"; }},
+    {"FrictionAmongEffects",
+     1,
+     {"study.yaml:5", "effects[1].id", "'friction'"},
+     [](SmallStudy* s) { s->study += "effects: [{id: viscous, joints: [1]}]\n"; }},
+    {"EffectAtNoJoint",
+     1,
+     {"study.yaml:5", "effects[1].joints", "out of range"},
+     [](SmallStudy* s) { s->study += "effects: [{id: stribeck, joints: [3]}]\n"; }},
+    {"EffectTwice",
+     1,
+     {"study.yaml:5", "effects[2]", "twice"},
+     [](SmallStudy* s) { s->study += "effects: [{id: base_tilt}, {id: base_tilt}]\n"; }},
+    {"UnknownShape",
+     1,
+     {"study.yaml:5", "effects[1].shape.x_s", "'stribeck' has no such shape parameter", "vs"},
+     [](SmallStudy* s) { s->study += "effects: [{id: stribeck, joints: [1], shape: {x_s: 0.1}}]\n"; }},
+    {"ShapeOfAnEffectWithout",
+     1,
+     {"study.yaml:5", "effects[1].shape.k", "expected none"},
+     [](SmallStudy* s) { s->study += "effects: [{id: load_friction, joints: [1], shape: {k: 1}}]\n"; }},
+    {"ShapeBeyondTheMotion",
+     1,
+     {"study.yaml:6", "effects[1].shape.vs", "100 is outside", "rad/s"},
+     [](SmallStudy* s) { s->study += "effects:\n  - {id: stribeck, joints: [1], shape: {vs: 100}}\n"; }},
+    {"PriorOnAShape",
+     1,
+     {"study.yaml:6", "priors[1]", "stribeck_vs_1", "no prior"},
+     [](SmallStudy* s) {
+       s->study +=
+           "effects: [{id: stribeck, joints: [1]}]\n"
+           "priors: [{parameter: stribeck_vs_1, value: 1, standard_deviation: 1}]\n";
+     }},
     {"NoSuchFlag", 1, {"extimator"}, [](SmallStudy* s) { s->flags = "--extimator=ls"; }},
     {"RatioOfNothing", 1, {"--r_sigma", "0.5"}, [](SmallStudy* s) { s->flags = "--r_sigma=0.5"; }},
     {"MissingReference", 1, {"nowhere.json"}, [](SmallStudy* s) { s->flags = "--reference=nowhere.json"; }},

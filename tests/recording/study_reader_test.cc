@@ -93,6 +93,37 @@ TEST(ReadStudy, EveryKey) {
   EXPECT_EQ(*study->preprocessing.decimation, 50);
 }
 
+TEST(ReadStudy, EffectsHaveAPlaceEach) {
+  const StudyFolder files(
+      "robot: robot.yaml\n"
+      "recordings: [{file: a.csv}]\n"
+      "effects:\n"
+      "  - {id: presliding, joints: [2, 1], shape: {x_s: 0.001}}\n"
+      "  - {id: motor_coupling, joints: [2, 1]}\n"
+      "  - {id: base_tilt}\n"
+      "  - {id: payload_change, joints: []}\n");
+  const Result<Study> study = ReadStudy(files.study_path());
+  ASSERT_TRUE(study.ok()) << study.status().message();
+  const struct {
+    const char* id;
+    std::vector<int> joints;
+    size_t shapes;
+  } expected[] = {{"presliding", {0}, 1},
+                  {"presliding", {1}, 1},
+                  {"motor_coupling", {0, 1}, 0},
+                  {"base_tilt", {}, 0},
+                  {"payload_change", {}, 0}};
+  ASSERT_EQ(study->effects.size(), std::size(expected));
+  for (size_t k = 0; k < std::size(expected); ++k) {
+    EXPECT_EQ(study->effects[k].effect, FindEffect(expected[k].id));
+    EXPECT_EQ(study->effects[k].joints, expected[k].joints);
+    ASSERT_EQ(study->effects[k].shape.size(), expected[k].shapes);
+  }
+  EXPECT_EQ(study->effects[1].shape[0].name, "x_s");
+  EXPECT_EQ(study->effects[1].shape[0].value, 0.001);
+  EXPECT_EQ(study->effects[1].shape[0].where, files.study_path() + ":4: key 'effects[1].shape.x_s'");
+}
+
 TEST(ReadStudy, GainsToIdentifyWithoutValuesHaveNone) {
   const StudyFolder files(std::string(kPlainStudy) + "gains: {mode: identify}\nfriction: []\n");
   const Result<Study> study = ReadStudy(files.study_path());
@@ -235,9 +266,46 @@ INSTANTIATE_TEST_SUITE_P(
         BadStudy{"friction", With("friction: [viscos]"), {"'friction[1]'", "'viscos'", "nearest: viscous"}},
         BadStudy{"friction_twice", With("friction: [coulomb, coulomb]"), {"'friction[2]'", "'coulomb' is given twice"}},
         BadStudy{"friction_scalar", With("friction: viscous"), {"'friction'", "a list"}},
-        BadStudy{"effects",
-                 With("effects:\n  - {id: stribeck, joints: [2]}"),
-                 {"'effects'", "not supported by this version"}},
+        BadStudy{"effects_scalar", With("effects: stribeck"), {":4:", "'effects'", "a list"}},
+        BadStudy{"effect_id",
+                 With("effects:\n  - {id: stribek, joints: [2]}"),
+                 {":5:", "'effects[1].id'", "stribeck", "backlash", "nearest: stribeck"}},
+        BadStudy{"effect_without_id", With("effects: [{joints: [2]}]"), {"'effects[1].id'", "missing"}},
+        BadStudy{"effect_of_the_friction",
+                 With("effects: [{id: coulomb, joints: [2]}]"),
+                 {"'effects[1].id'", "'coulomb'", "key 'friction'"}},
+        BadStudy{"effect_key", With("effects: [{id: stribeck, joint: 2}]"), {"'effects[1].joint'", "unknown key"}},
+        BadStudy{"effect_without_joints", With("effects: [{id: stribeck}]"), {"'effects[1].joints'", "missing"}},
+        BadStudy{"effect_at_no_joint",
+                 With("effects: [{id: stribeck, joints: []}]"),
+                 {"'effects[1].joints'", "0 joints", "one or more"}},
+        BadStudy{"effect_at_joint_3",
+                 With("effects: [{id: stribeck, joints: [3]}]"),
+                 {"'effects[1].joints[1]'", "out of range"}},
+        BadStudy{"effect_of_the_arm_at_a_joint",
+                 With("effects: [{id: base_tilt, joints: [1]}]"),
+                 {"'effects[1].joints'", "whole arm", "no joints"}},
+        BadStudy{"coupling_of_one_joint",
+                 With("effects: [{id: motor_coupling, joints: [2]}]"),
+                 {"'effects[1].joints'", "1 joints", "two"}},
+        BadStudy{"coupling_with_itself",
+                 With("effects: [{id: motor_coupling, joints: [2, 2]}]"),
+                 {"'effects[1].joints'", "twice"}},
+        BadStudy{"effect_twice",
+                 With("effects: [{id: stribeck, joints: [1, 2]}, {id: stribeck, joints: [2]}]"),
+                 {"'effects[2]'", "'stribeck' on joint 2 is given twice"}},
+        BadStudy{"effect_of_the_arm_twice",
+                 With("effects: [{id: base_tilt}, {id: base_tilt}]"),
+                 {"'effects[2]'", "'base_tilt' is given twice"}},
+        BadStudy{"shape_list",
+                 With("effects: [{id: stribeck, joints: [1], shape: [0.1]}]"),
+                 {"'effects[1].shape'", "not a mapping"}},
+        BadStudy{"shape_text",
+                 With("effects: [{id: stribeck, joints: [1], shape: {vs: slow}}]"),
+                 {"'effects[1].shape.vs'", "'slow' is not a number"}},
+        BadStudy{"shape_twice",
+                 With("effects: [{id: stribeck, joints: [1], shape: {vs: 0.1, vs: 0.2}}]"),
+                 {"'effects[1].shape.vs'", "twice"}},
         BadStudy{"position_side", With("position_side: link"), {"'position_side'", "joint, motor"}},
         BadStudy{"signal_side", With("signal_side: 3"), {"'signal_side'", "joint, motor"}},
         BadStudy{"column_of_joint_3", With("columns: {q3: {column: A}}"), {"'columns.q3'", "unknown key"}},

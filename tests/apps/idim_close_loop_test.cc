@@ -80,6 +80,80 @@ TEST_F(IdimCloseLoop, FindsTheEffectAndWritesTheContract) {
   }
 }
 
+// idim_validate computes the effects anew from estimate.json; with a stop in the motion that it must see as the loop
+// did, with velocity zero.
+TEST_F(IdimCloseLoop, FinalErrorsAreThoseOfIdimValidate) {
+  testing::ReplaceOnce("big, seed: 3,\n     trajectory: {type: fourier, frequency: 0.2, duration: 10}}",
+                       "big, seed: 3,\n     trajectory: {type: point_to_point, random: 6, dwell: 0.6}}",
+                       &simulated_.scenario_text);
+  testing::ReplaceOnce("position: 1.0e-6", "position: 1.0e-5", &simulated_.scenario_text);
+  Make(
+      "effects:\n  - {id: power_viscous, joints: [2], coefficient: 4.0, exponent: 0.4}\n"
+      "  - {id: load_friction, joints: [1], mu: 0.1}\n");
+  ASSERT_EQ(Run().exit_code, 0);
+  const Json loop = Loop(), final = loop.at("final");
+  ASSERT_GE(loop.at("steps").size(), 2u) << loop.at("steps");
+  const auto validated = [&](const std::string& estimate) {
+    const testing::ProgramRun run = testing::RunProgram(
+        "idim_validate", folder() / "study.yaml" + " --estimate=" + estimate + " --output=" + folder() / "validated");
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return testing::ReadJson(folder() / "validated/validation.json").at("estimates").at(0).at("recordings").at(0);
+  };
+  const Json judged = validated(folder() / "out/estimate.json");
+  Json estimate = testing::ReadJson(folder() / "out/estimate.json");
+  for (int j = 0; j < 3; ++j) {
+    const double error = final.at("per_joint").at("validation").at(j).get<double>();
+    EXPECT_NEAR(judged.at("relative_error_percent").at(j).get<double>(), error, 1e-6 * error) << "joint " << j + 1;
+    EXPECT_NEAR(estimate.at("recordings").at(2).at("relative_error_percent").at(j).get<double>(), error, 1e-6 * error);
+  }
+  const double all = final.at("validation_error_percent").get<double>();
+  EXPECT_NEAR(judged.at("relative_error_percent_all").get<double>(), all, 1e-6 * all);
+  EXPECT_NEAR(judged.at("mass").get<double>(), 3.0, 0.1);
+  // Without the statement it is another model: the motion does stop.
+  ASSERT_EQ(estimate.at("velocity_zero_at_rest"), true);
+  estimate.erase("velocity_zero_at_rest");
+  const Json other = validated(folder().Write("other.json", estimate.dump()));
+  EXPECT_GT(std::abs(other.at("relative_error_percent_all").get<double>() - all), 1e-4 * all);
+}
+
+// What the study declares is in the model that the loop begins from: it is neither found nor dropped.
+TEST_F(IdimCloseLoop, BeginsFromDeclaredEffects) {
+  Make(kPowerViscous);
+  ASSERT_EQ(Run().exit_code, 0);
+  const Json found = Loop();
+  simulated_.folder.Write("study.yaml", simulated_.study_text + "effects: [{id: power_viscous, joints: [2]}]\n");
+  const testing::ProgramRun run = Run();
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json declared = Loop();
+  EXPECT_TRUE(declared.at("steps").empty()) << declared.at("steps");
+  for (const char* model : {"declared", "final"}) {
+    EXPECT_NEAR(declared.at(model).at("validation_error_percent").get<double>(),
+                found.at("final").at("validation_error_percent").get<double>(), 1e-3)
+        << model;
+  }
+  const Json estimate = testing::ReadJson(folder() / "out/estimate.json");
+  EXPECT_NEAR(testing::FindParameter(estimate, "power_viscous_a_2").at("value").get<double>(),
+              found.at("steps").at(0).at("parameters").at(1).at("value").get<double>(), 1e-3);
+  ASSERT_EQ(estimate.at("effects").size(), 1u);
+  EXPECT_EQ(estimate.at("effects").at(0).at("id"), "power_viscous");
+  EXPECT_THAT(estimate.at("effects").at(0).at("joints"), ElementsAre(2));
+  EXPECT_EQ(estimate.at("effects").at(0).at("shape").at("a"),
+            testing::FindParameter(estimate, "power_viscous_a_2").at("value"));
+}
+
+// A declared effect that is not there is not the loop's to drop.
+TEST_F(IdimCloseLoop, KeepsWhatIsDeclared) {
+  Make(kPowerViscous);
+  simulated_.folder.Write("study.yaml", simulated_.study_text + "effects: [{id: joint_spring, joints: [3]}]\n");
+  const testing::ProgramRun run = Run();
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  ASSERT_EQ(Loop().at("steps").size(), 1u);
+  EXPECT_EQ(Loop().at("steps").at(0).at("effect"), "power_viscous");
+  const Json estimate = testing::ReadJson(folder() / "out/estimate.json");
+  ASSERT_EQ(estimate.at("effects").size(), 2u);
+  EXPECT_EQ(estimate.at("effects").at(0).at("id"), "joint_spring");
+}
+
 TEST_F(IdimCloseLoop, NothingUndeclaredNothingFound) {
   Make("");
   const testing::ProgramRun run = Run();

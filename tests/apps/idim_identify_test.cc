@@ -143,9 +143,9 @@ TEST(IdimIdentify, SyntheticTx40) {
 TEST(IdimIdentify, RealTx40) {
   IDIM_SKIP_WITHOUT("tx40/motor_position.csv");
   const TempFolder folder;
-  const testing::ProgramRun run = testing::RunProgram(
-      "idim_identify", Dataset("tx40/study.yaml") + " --estimator=wls --reference=" + Dataset("tx40/paper_table_1.json") +
-                           " --output=" + folder / "out");
+  const testing::ProgramRun run =
+      testing::RunProgram("idim_identify", Dataset("tx40/study.yaml") + " --estimator=wls --reference=" +
+                                               Dataset("tx40/paper_table_1.json") + " --output=" + folder / "out");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("beside: paper, Table I"));
   const Json json = Estimate(folder / "out");
@@ -252,6 +252,19 @@ TEST(IdimIdentify, UntrustedGainsComeWithNumbersAndReport) {
   EXPECT_LT(testing::FindParameter(json, "g4").at("value").get<double>(), 0.0);
   EXPECT_THAT(run.out, HasSubstr("NOT TO BE TRUSTED: gains"));
   EXPECT_THAT(testing::ReadText(folder / "out/report.html"), HasSubstr("Not to be trusted: gains"));
+}
+
+// Inertia shared between the drives of a planar arm is what ZZ1R, ZZ2R and Ia2 are made of.
+TEST(IdimIdentify, AnEffectThatCannotBeFittedIsNamed) {
+  testing::SmallStudy study;
+  study.study += "effects: [{id: motor_coupling, joints: [1, 2]}]\n";
+  study.flags = "--estimator=wls";
+  const testing::ProgramRun run = testing::RunProgram("idim_identify", study.Arguments());
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("motor_coupling on joints 1 and 2"));
+  const Json estimate = testing::ReadJson(study.folder / "out/estimate.json");
+  EXPECT_EQ(estimate.at("status"), "untrusted");
+  EXPECT_THAT(estimate.at("message").get<std::string>(), HasSubstr("motor_coupling"));
 }
 
 }  // namespace

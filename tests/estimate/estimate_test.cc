@@ -95,6 +95,45 @@ TEST(Reference, AnEstimateIsAReferenceItself) {
   remove(path.c_str());
 }
 
+TEST(Reference, EffectsComeBack) {
+  Estimate e = Example();
+  EXPECT_FALSE(Json::parse(EstimateToJson(e)).contains("effects"));
+  EXPECT_FALSE(Json::parse(EstimateToJson(e)).contains("velocity_zero_at_rest"));
+  e.effects = {{"presliding", {2}, {{"x_s", 0.1 / 3.0}}}, {"base_tilt", {}}};
+  e.velocity_zero_at_rest = true;
+  const Json json = Json::parse(EstimateToJson(e));
+  EXPECT_EQ(json.at("effects").dump(),
+            "[{\"id\":\"presliding\",\"joints\":[3],\"shape\":{\"x_s\":" + Json(0.1 / 3.0).dump() +
+                "}},{\"id\":\"base_tilt\",\"joints\":[],\"shape\":{}}]");
+  EXPECT_EQ(json.at("velocity_zero_at_rest"), true);
+  const TempFolder folder;
+  const Result<Reference> read = ReadReference(folder.Write("estimate.json", EstimateToJson(e)));
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_TRUE(read->velocity_zero_at_rest);
+  ASSERT_EQ(read->effects.size(), 2u);
+  EXPECT_EQ(read->effects[0].id, "presliding");
+  EXPECT_EQ(read->effects[0].joints, std::vector<int>{2});
+  EXPECT_EQ(read->effects[0].shape, e.effects[0].shape);
+  EXPECT_TRUE(read->effects[1].joints.empty());
+}
+
+TEST(Reference, RefusesEffectsThatAreNone) {
+  const TempFolder folder;
+  const auto message = [&](const std::string& keys) {
+    return ReadReference(folder.Write("e.json", "{\"parameters\":[{\"name\":\"a\",\"value\":1}]," + keys + "}"))
+        .status()
+        .message();
+  };
+  EXPECT_EQ(message("\"effects\":[]"), "");
+  EXPECT_THAT(message("\"effects\":{}"), HasSubstr("key 'effects'"));
+  EXPECT_THAT(message("\"effects\":[1]"), HasSubstr("effects[0]: key 'id'"));
+  EXPECT_THAT(message("\"effects\":[{\"id\":\"b\",\"joints\":[0]}]"), HasSubstr("effects[0]: key 'joints'"));
+  EXPECT_THAT(message("\"effects\":[{\"id\":\"b\",\"joints\":[1.5]}]"), HasSubstr("key 'joints'"));
+  EXPECT_THAT(message("\"effects\":[{\"id\":\"b\",\"shape\":[]}]"), HasSubstr("key 'shape'"));
+  EXPECT_THAT(message("\"effects\":[{\"id\":\"b\",\"shape\":{\"x\":null}}]"), HasSubstr("key 'shape.x'"));
+  EXPECT_THAT(message("\"velocity_zero_at_rest\":1"), HasSubstr("true or false"));
+}
+
 TEST(Reference, RefusesWhatIsNone) {
   const std::string path = ::testing::TempDir() + "/bad_reference.json";
   const std::pair<const char*, const char*> cases[] = {

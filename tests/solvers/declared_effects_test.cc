@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "solvers/active_effects.h"
+#include "solvers/effect_scan.h"
 #include "solvers/estimators.h"
 #include "solvers/monte_carlo.h"
 #include "solvers/validation.h"
@@ -148,6 +149,49 @@ TEST(DeclaredEffects, EivIsRefitByHand) {
   const ParameterEstimate* vs = found.Find("stribeck_vs_2");
   ASSERT_NE(vs, nullptr);
   EXPECT_NEAR(vs->value, declared.Find("stribeck_vs_2")->value, 0.1 * vs->standard_deviation);
+}
+
+// One step of a line search between points of the grid, which are a factor of 2 apart; its middle is another one.
+TEST(DeclaredEffects, TheShapeIsFoundOnTheResidual) {
+  const Result<EffectFit> without = FitDeclared(PreparedWith(""));
+  ASSERT_TRUE(without.ok()) << without.status().message();
+  const ResidualModel residual(without->prepared, without->data, without->summary);
+  const ActiveEffect found =
+      FindShape(without->prepared, residual, without->Arm(), {FindEffect("stribeck"), {1}, Eigen::VectorXd()});
+  ASSERT_EQ(found.shape.size(), 1);
+  EXPECT_EQ(found.joints, std::vector<int>{1});
+  EXPECT_NEAR(found.shape[0], 0.3, 0.09);
+}
+
+// What an estimate states predicts what the fit found, by columns of its own: to a part of the residual's noise; and
+// where a shape is moved, to the second order what its column says.
+TEST(DeclaredEffects, TheStatedModelIsTheFittedOne) {
+  const Result<EffectFit> fit = FitWithDeclaredEffects(PreparedWith(kBoth));
+  ASSERT_TRUE(fit.ok()) << fit.status().message();
+  ArmParameters arm = fit->Arm();
+  const auto model = [](const PreparedStudy& prepared, const ArmParameters& a, size_t r) {
+    return Predict(prepared, prepared.recordings[r], a).decimated_model;
+  };
+  const StatedModel stated = AsStated(fit->prepared, arm);
+  EXPECT_EQ(stated.arm.chi.size(), arm.chi.size() - 1) << "no step of a shape";
+  int shape = -1;
+  for (size_t k = 0; k < fit->prepared.effect_parameters.size(); ++k) {
+    if (fit->prepared.effect_parameters[k].kind != ParameterKind::kEffectShape) continue;
+    shape = fit->prepared.base.size() + static_cast<int>(k);
+  }
+  ASSERT_GE(shape, 0);
+  for (size_t r = 0; r < 3; ++r) {
+    const RecordingSeries series = Predict(fit->prepared, fit->prepared.recordings[r], arm);
+    const double noise = (series.decimated_torque - series.decimated_model).norm();
+    EXPECT_LT((model(stated.prepared, stated.arm, r) - series.decimated_model).norm(), 0.01 * noise) << r;
+    ArmParameters moved = arm;
+    moved.chi[shape] += 0.02;
+    const Eigen::MatrixXd straight = model(fit->prepared, moved, r) - series.decimated_model;
+    const StatedModel other = AsStated(fit->prepared, moved);
+    const Eigen::MatrixXd change = model(other.prepared, other.arm, r) - model(stated.prepared, stated.arm, r);
+    EXPECT_GT(straight.norm(), 0.0);
+    EXPECT_LT((change - straight).norm(), 0.15 * straight.norm()) << r;
+  }
 }
 
 TEST(DeclaredEffects, NoneDeclaredNothingChanged) {

@@ -16,22 +16,8 @@ std::string Decrease(const EffectCandidate& candidate) {
 }  // namespace
 
 std::vector<NamedShape> ShapesOf(const LoopResult& result, const ActiveEffect& active) {
-  // Shapes go by where the joints were and how fast, never by a torque.
-  std::vector<EffectMotion> motions;
-  for (size_t r = 0; r < result.prepared.recordings.size(); ++r) {
-    const PreparedRecording& recording = result.prepared.recordings[r];
-    EffectMotion motion;
-    motion.robot = &result.prepared.study.robot;
-    motion.recording = static_cast<int>(r);
-    motion.t = recording.recording.t;
-    motion.q = recording.states.q;
-    motion.dq = recording.states.dq;
-    motion.ddq = recording.states.ddq;
-    motion.velocity_sigma = result.prepared.velocity_sigma;
-    motions.push_back(std::move(motion));
-  }
   std::vector<NamedShape> shapes;
-  for (ShapeParameter& parameter : active.effect->Shapes(motions, active.joints)) {
+  for (ShapeParameter& parameter : ShapesAlong(result.prepared, *active.effect, active.joints)) {
     const auto k = static_cast<Eigen::Index>(shapes.size());
     if (k < active.shape.size()) shapes.push_back({std::move(parameter), active.shape[k]});
   }

@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is missing, then builds and tests twice: a release build with every test, and a build under
-# AddressSanitizer (leaks too) and UndefinedBehaviorSanitizer with all but the tests labelled "slow".
+# AddressSanitizer (leaks too) and UndefinedBehaviorSanitizer. The second leaves out (CMakePresets.json) what would run
+# no line of ours that the others do not: the tests labelled "slow" (statistics over many draws), those that a program
+# run again writes the same bytes, and those of what a browser, which has no sanitizer, makes of a report.
 # The last line is the sum, "N passed, N failed, N skipped"; a build that fails counts as one failure.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/decompositions.h"
 #include "solvers/least_squares.h"
 #include "solvers/long_run_covariance.h"
 
@@ -54,7 +55,7 @@ MatrixXd InverseOf(const MatrixXd& r) {
 constexpr double kLargestShare = 0.97;
 MatrixXd HeldShares(const MatrixXd& noise, const MatrixXd& inverse, double* share) {
   const MatrixXd shares = inverse.transpose() * noise * inverse;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (shares + shares.transpose()));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(0.5 * (shares + shares.transpose())));
   *share = eigen.eigenvalues().maxCoeff();
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMin(kLargestShare).cwiseMax(0.0).asDiagonal() *
          eigen.eigenvectors().transpose();

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/decompositions.h"
 #include "core/base/text.h"
 #include "core/observation/observation_stream.h"
 #include "core/signal/state_covariance.h"

@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "core/base/decompositions.h"
 #include "core/base/text.h"
 #include "solvers/assemble_estimate.h"
 #include "solvers/least_squares.h"

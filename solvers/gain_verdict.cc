@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/base/decompositions.h"
 #include "core/base/text.h"
 #include "solvers/least_squares.h"
 #include "solvers/signal_noise.h"

@@ -8,6 +8,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/decompositions.h"
+
 namespace idim {
 
 using Eigen::MatrixXd;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/decompositions.h"
+
 namespace idim {
 namespace {
 

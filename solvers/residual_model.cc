@@ -8,6 +8,7 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
+#include "core/base/decompositions.h"
 #include "solvers/least_squares.h"
 
 namespace idim {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/decompositions.h"
 #include "solvers/least_squares.h"
 
 namespace idim {

@@ -8,6 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/base/decompositions.h"
+
 namespace idim {
 namespace {
 

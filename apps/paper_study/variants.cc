@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/decompositions.h"
 #include "core/simulation/random.h"
 #include "solvers/gain_identification.h"
 #include "solvers/gain_system.h"

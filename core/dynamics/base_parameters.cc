@@ -9,6 +9,8 @@
 #include <random>
 #include <utility>
 
+#include "core/base/decompositions.h"
+
 namespace idim {
 namespace {
 

@@ -10,6 +10,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/decompositions.h"
+
 namespace idim {
 namespace {
 

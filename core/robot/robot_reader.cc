@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "core/base/decompositions.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/base/yaml.h"

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/decompositions.h"
+
 namespace idim::internal {
 namespace {
 

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/decompositions.h"
 #include "core/simulation/effects_drive_train.h"
 
 namespace idim {

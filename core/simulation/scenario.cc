@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/base/decompositions.h"
 #include "core/base/text.h"
 #include "core/dynamics/base_parameters.h"
 #include "core/simulation/effects_truth.h"

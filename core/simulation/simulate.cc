@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/base/decompositions.h"
 #include "core/simulation/random.h"
 
 namespace idim {

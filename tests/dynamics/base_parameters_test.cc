@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 
+#include "core/base/decompositions.h"
 #include "tests/support/random_arm.h"
 
 namespace idim {

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <thread>
 
+#include "core/base/decompositions.h"
 #include "tests/effects/effect_arm.h"
 
 namespace idim::testing {

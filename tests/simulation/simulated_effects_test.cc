@@ -1,12 +1,12 @@
 // Every simulated effect against a second route to the same physics: another robot, a closed form, an energy.
 
-#include "core/simulation/effects.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
 #include <cmath>
 
+#include "core/base/decompositions.h"
+#include "core/simulation/effects.h"
 #include "core/simulation/effects_truth.h"
 #include "core/simulation/scenario.h"
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/decompositions.h"
 #include "tests/support/bundle_study.h"
 
 namespace idim {

@@ -10,6 +10,7 @@
 #include <random>
 #include <string>
 
+#include "core/base/decompositions.h"
 #include "tests/support/bundle_study.h"
 
 namespace idim {

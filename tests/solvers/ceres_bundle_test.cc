@@ -9,6 +9,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/decompositions.h"
 #include "tests/support/bundle_study.h"
 
 namespace idim {

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <random>
 
+#include "core/base/decompositions.h"
 #include "solvers/gain_identification.h"
 #include "tests/support/gain_study.h"
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "core/base/decompositions.h"
 #include "tests/support/gain_study.h"
 
 namespace idim {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <random>
 
+#include "core/base/decompositions.h"
 #include "solvers/gain_identification.h"
 #include "solvers/sequential_gains.h"
 #include "tests/support/gain_study.h"
@@ -88,7 +89,7 @@ TEST(GainMonteCarlo, WhereEquation21HoldsTlsIsUnbiasedAndItsSpreadIsEquation23) 
   const Truth truth = MakeTruth(scenario);
   MatrixXd all(truth.rows(), truth.values.size() + 1);
   all << truth.joints[0], truth.joints[1], truth.joints[2];
-  const VectorXd s = Eigen::BDCSVD<MatrixXd>(all).singularValues();
+  const VectorXd s = Eigen::JacobiSVD<MatrixXd>(all).singularValues();
   ASSERT_LT(s.tail<1>()[0], 1e-9 * s[s.size() - 2]);
   const double sigma = std::sqrt(0.002 / double(truth.rows())) * s[s.size() - 2];
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "core/base/decompositions.h"
 #include "solvers/signal_noise.h"
 #include "tests/support/gain_study.h"
 

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/base/decompositions.h"
 #include "solvers/estimators.h"
 #include "solvers/payload_unknowns.h"
 #include "tests/solvers/simulated_study.h"

@@ -6,6 +6,8 @@
 #include <Eigen/Dense>
 #include <random>
 
+#include "core/base/decompositions.h"
+
 namespace idim {
 namespace {
 

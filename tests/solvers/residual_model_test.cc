@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "core/base/decompositions.h"
 #include "solvers/bundle_problem.h"
 #include "solvers/effect_fit.h"
 #include "tests/solvers/simulated_study.h"

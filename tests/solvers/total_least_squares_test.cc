@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <random>
 
+#include "core/base/decompositions.h"
 #include "core/statistics/triangular_factor.h"
 
 namespace idim {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/decompositions.h"
 #include "core/observation/prepared_study.h"
 #include "core/simulation/simulate.h"
 #include "solvers/bundle.h"

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/base/decompositions.h"
 #include "tests/support/random_arm.h"
 
 namespace idim {

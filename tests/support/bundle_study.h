@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/decompositions.h"
 #include "solvers/bundle_data.h"
 #include "tests/support/gain_study.h"
 

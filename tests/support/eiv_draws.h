@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/decompositions.h"
 #include "core/simulation/scenario.h"
 #include "solvers/bundle_data.h"
 #include "solvers/gain_system.h"

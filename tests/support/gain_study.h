@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/decompositions.h"
 #include "core/observation/prepared_study.h"
 #include "solvers/gain_system.h"
 #include "tests/support/random_arm.h"

@@ -28,6 +28,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/base/decompositions.h"
 #include "solvers/bundle.h"
 
 namespace idim::testing {

@@ -1,0 +1,3 @@
+#include "core/base/decompositions.h"
+
+IDIM_DECOMPOSITIONS(template);

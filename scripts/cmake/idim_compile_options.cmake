@@ -5,8 +5,8 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 
 option(IDIM_SANITIZE "AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
 if(IDIM_SANITIZE)
-  # Without -fsanitize=null and object-size, which cost a tenth of the compile time and more of the run: what they
-  # report is reported by AddressSanitizer at the access itself.
+  # Without -fsanitize=null and object-size, which cost a tenth of the compile time: AddressSanitizer reports the
+  # access itself.
   # Eigen would otherwise wrap malloc under AddressSanitizer, which Ceres' own Eigen does not.
   set(IDIM_SANITIZE_FLAGS -fsanitize=address,undefined -fno-sanitize=null,object-size
                           -fno-sanitize-recover=all -fno-omit-frame-pointer

@@ -16,7 +16,3 @@ if(IDIM_SANITIZE)
   # The instrumentation makes GCC 12 see uninitialised values in <regex> where there are none.
   target_compile_options(idim_compile_options INTERFACE -Wno-maybe-uninitialized)
 endif()
-
-# Only saves time. The preset asan has it on; the others show that every file includes what it uses.
-option(IDIM_PRECOMPILE "Precompile the headers of Eigen, JSON and GoogleTest" OFF)
-set(IDIM_PRECOMPILED_HEADERS <Eigen/Dense> <nlohmann/json.hpp> <fstream> <functional> <map> <string> <vector>)

@@ -85,9 +85,20 @@ class Loop {
     return false;
   }
 
+  // Drops effects that turned their sign. False: there is none.
+  bool DropWrongSigns(LoopResult* result) {
+    bool changed = false;
+    for (const ActiveEffect& effect : WrongSigns(model_.fit)) {
+      std::optional<JudgedFit> without = JudgedWithout(effect);
+      if (!without) continue;
+      Drop(effect, " came out negative beside what was found later, which it cannot be", *std::move(without), result);
+      changed = true;
+    }
+    return changed;
+  }
+
   // Drops or replaces effects beside all others. False: nothing changed.
   bool Reconsider(LoopResult* result) {
-    bool changed = false;
     // Shapes that were held while effects were missing may be told now.
     std::vector<ActiveEffect> released = model_.fit.prepared.effects;
     const bool any_held =
@@ -96,13 +107,7 @@ class Loop {
     if (any_held) {
       if (Result<EffectFit> fit = Refit(model_.fit, released); fit.ok()) model_ = JudgedFit(std::move(fit).value());
     }
-    for (const ActiveEffect& effect : OfWrongSign(model_.fit)) {
-      if (Has(declared_, effect)) continue;
-      std::optional<JudgedFit> without = JudgedWithout(effect);
-      if (!without) continue;
-      Drop(effect, " came out negative beside what was found later, which it cannot be", *std::move(without), result);
-      changed = true;
-    }
+    bool changed = DropWrongSigns(result);
     // While one is judged the next is fitted already, for nothing where the model changes.
     std::future<std::optional<JudgedFit>> ahead;
     for (size_t e = 0; e < model_.fit.prepared.effects.size();) {
@@ -122,7 +127,7 @@ class Loop {
         continue;
       }
       // A model in which another effect turns its sign is none to go back to.
-      if (OfWrongSign(without->fit).empty() && !IsBetter(*without, model_, effect.joints)) {
+      if (WrongSigns(without->fit).empty() && !IsBetter(*without, model_, effect.joints)) {
         ahead = {};
         Drop(effect, " is not needed beside what was found later", *std::move(without), result);
         changed = true;
@@ -244,6 +249,15 @@ class Loop {
         steps.end());
   }
 
+  // Of effects that the loop added.
+  std::vector<ActiveEffect> WrongSigns(const EffectFit& fit) const {
+    std::vector<ActiveEffect> added;
+    for (const ActiveEffect& effect : OfWrongSign(fit)) {
+      if (!Has(declared_, effect)) added.push_back(effect);
+    }
+    return added;
+  }
+
   struct Replacement {
     EffectScan scan;
     EffectCandidate candidate;
@@ -259,7 +273,7 @@ class Loop {
       std::vector<ActiveEffect> effects = without.fit.prepared.effects;
       effects.push_back(candidate.effect);
       Result<EffectFit> fit = Refit(without.fit, effects);
-      if (!fit.ok() || Has(OfWrongSign(*fit), candidate.effect)) continue;
+      if (!fit.ok() || !WrongSigns(*fit).empty()) continue;
       JudgedFit next(std::move(fit).value());
       const VectorXd gain =
           HeldOutByFold(without.residual, model_, effect.joints) - HeldOutByFold(without.residual, next, effect.joints);
@@ -335,6 +349,7 @@ Result<LoopResult> CloseLoop(const PreparedStudy& as_recorded, const LoopOptions
     }
     if (sweep == kSweeps || (sweep > 0 && !added) || !loop.Reconsider(&result)) break;
   }
+  loop.DropWrongSigns(&result);
   result.final = ErrorsOf(loop.model(), result.held_out_by_blocks);
   // Values and shapes of the last fit, in which effects found later take part.
   for (LoopStep& step : result.steps) {

@@ -9,10 +9,11 @@
 //    Of those, the one that lowers it most; among such as the folds cannot tell from it (one standard error), the one
 //    with the fewest parameters. Nothing depends on the order in which candidates are tried.
 // 3. Everything is fitted anew through the bundle: gains, parameters, payload, effects; shapes by Gauss-Newton along
-//    with them. If the held-out torque error of its joints has not fallen by the margin the candidate is put aside.
-// 4. When nothing passes, each effect that was added is tried again beside all others: it is dropped if the held-out
-//    error does not need it, and replaced if a rival at the same place does better by two standard errors (a first
-//    choice may have stood in for two effects found later).
+//    with them. If the held-out torque error of its joints has not fallen by the margin, or the effect has a sign that
+//    physics forbids (Effect::non_negative), the candidate is put aside.
+// 4. When nothing passes, each effect that was added is tried again beside all others: it is dropped if it turned its
+//    sign or if the held-out error does not need it, and replaced if a rival at the same place does better by two
+//    standard errors (a first choice may have stood in for two effects found later).
 //
 // Held-out error: folds of contiguous blocks of the identification recordings. Validation recordings are never looked
 // at while choosing; where there are some, `validation` errors are theirs, else those of the folds.
@@ -40,8 +41,8 @@
 namespace idim {
 
 struct LoopOptions {
-  double significance = 0.01;  // of the score test, corrected for all that is tried, in (0, 1)
-  double margin = 0.01;        // relative decrease of the held-out error that an effect must bring, in (0, 1)
+  double significance = 0.05;  // of the score test, corrected for all that is tried, in (0, 1)
+  double margin = 0.02;        // relative decrease of the held-out error that an effect must bring, in (0, 1)
   int max_effects = 24;        // >= 0
   int threads = 1;             // >= 1
   std::function<void(const std::string&)> progress;

@@ -36,7 +36,7 @@ struct EffectCandidate {
 };
 
 struct ScanOptions {
-  double significance = 0.01;    // candidates above this corrected p-value are not cross-validated, in (0, 1)
+  double significance = 0.05;    // candidates above this corrected p-value are not cross-validated, in (0, 1)
   std::vector<int> only_joints;  // where not empty: candidates at this place alone
   int threads = 1;               // >= 1; the result does not depend on it
   std::function<void(const std::string&)> progress;  // may be empty; called from one thread at a time

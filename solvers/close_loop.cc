@@ -159,9 +159,8 @@ class Loop {
     return ScanEffects(model.fit.prepared, model.residual, model.fit.Arm(), options);
   }
 
-  // margin of an error is twice that of its square.
   bool Passes(const EffectCandidate& candidate) const {
-    return candidate.held_out_decrease > 2.0 * options_.margin &&
+    return candidate.held_out_decrease > options_.DecreaseOfSquares() &&
            (candidate.held_out_decrease > kSure * candidate.held_out_error || IsInMostFolds(candidate.held_out_gain));
   }
 
@@ -213,8 +212,7 @@ class Loop {
   bool IsBetter(const JudgedFit& without, const JudgedFit& with, const std::vector<int>& joints) const {
     const VectorXd squares = HeldOutByFold(without.residual, without, joints);
     const VectorXd gain = squares - HeldOutByFold(without.residual, with, joints);
-    const double needed = 1.0 - std::pow(1.0 - options_.margin, 2);
-    return gain.sum() > needed * squares.sum() &&
+    return gain.sum() > options_.DecreaseOfSquares() * squares.sum() &&
            (gain.sum() > kSame * StandardErrorOfSum(gain) || IsInMostFolds(gain));
   }
 

@@ -48,6 +48,8 @@ struct LoopOptions {
   std::function<void(const std::string&)> progress;
 
   bool IsValid(std::string* error) const;
+  // The margin as a relative decrease of the squared error.
+  double DecreaseOfSquares() const { return margin * (2.0 - margin); }
 };
 
 struct LoopRival {

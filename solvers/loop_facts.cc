@@ -89,7 +89,7 @@ std::string EvidenceSentence(const LoopResult& result, const LoopStep& step) {
       "score test %.4g, p = %s after correction for all that was tried (limit %.3g); on blocks not fitted the "
       "squared residual of %s falls by %s (at least %.3g %% asked)",
       c.score.statistic, PValueText(c.p_value).c_str(), step.threshold, where.c_str(), Decrease(c).c_str(),
-      100.0 * result.given.margin);
+      100.0 * result.given.DecreaseOfSquares());
 }
 
 std::string RivalSentence(const LoopStep& step) {

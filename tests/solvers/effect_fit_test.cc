@@ -54,6 +54,7 @@ TEST(EffectFit, HoldsAShapeThatNoSampleTells) {
       Refit(declared, {{FindEffect("payload_change"), {}, Eigen::VectorXd::Constant(1, 0.5001)}});
   ASSERT_TRUE(with.ok()) << with.status().message();
   ASSERT_EQ(with->prepared.effects.size(), 1u);
+  EXPECT_TRUE(with->prepared.effects[0].held);
   bool seen = false;
   for (const ParameterEstimate& p : IdentificationOf(*with).estimate.parameters) {
     if (p.parameter.name != "dM") continue;
@@ -71,10 +72,10 @@ TEST(EffectFit, HoldsAnExponentThatRunsIntoViscousFriction) {
   ASSERT_TRUE(with.ok()) << with.status().message();
   const ActiveEffect& effect = with->prepared.effects.at(0);
   EXPECT_LE(effect.shape[0], 0.8);
+  EXPECT_TRUE(effect.held);
   EXPECT_LT(std::abs(IdentificationOf(*with).estimate.Find("Fp2")->value), 40.0);
 }
 
-// The same friction from the other end: a negative Stribeck term is none.
 TEST(EffectFit, NamesAnEffectOfTheWrongSign) {
   const EffectFit declared = Declared("  - {id: load_friction, joints: [2], mu: -0.05}\n");
   const Result<EffectFit> negative = Refit(declared, {{FindEffect("load_friction"), {1}, Eigen::VectorXd()}});

@@ -53,17 +53,18 @@ void AddRecording(const PreparedRecording& recording, const PreparedStudy& prepa
   });
 }
 
-// declared: as the study says, priors: those of parameters that it releases, too.
-Status SetPriors(const Study& declared, const std::vector<Prior>& priors, BundleData* data) {
+// Of the unknowns of *data: of payload parameters that the study states with a standard deviation, and of its key
+// `priors`.
+Status SetPriors(const Study& study, BundleData* data) {
   for (size_t p = 0; p < data->payload_columns.size(); ++p) {
     for (int k = 0; k < kNumInertial; ++k) {
-      const Payload& payload = declared.payloads[p];
+      const Payload& payload = study.payloads[p];
       if (data->payload_columns[p][k] < 0 || !payload.standard_deviation[k]) continue;
       data->priors.push_back(
           {data->num_gains() + data->payload_columns[p][k], *payload.known[k], *payload.standard_deviation[k]});
     }
   }
-  for (const Prior& prior : priors) {
+  for (const Prior& prior : study.priors) {
     const auto found = std::find_if(data->unknowns.begin(), data->unknowns.end(),
                                     [&](const Parameter& unknown) { return unknown.name == prior.parameter; });
     if (found == data->unknowns.end()) {
@@ -127,7 +128,7 @@ Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
     });
     data.coulomb_columns.push_back(found == of_base.end() ? -1 : static_cast<int>(found - of_base.begin()));
   }
-  if (Status status = SetPriors(prepared.study, study.priors, &data); !status.ok()) return status;
+  if (Status status = SetPriors(prepared.study, &data); !status.ok()) return status;
   return data;
 }
 
@@ -144,24 +145,8 @@ BundleData WithEffectsOf(const PreparedStudy& prepared, const BundleData& before
     for (int& column : columns) column += column >= 0 ? more : 0;
   }
   data.priors.clear();
-  for (BundlePrior prior : before.priors) {
-    const std::string& name = before.unknowns[static_cast<size_t>(prior.unknown)].name;
-    for (prior.unknown = 0; prior.unknown < data.num_unknowns(); ++prior.unknown) {
-      if (data.unknowns[static_cast<size_t>(prior.unknown)].name != name) continue;
-      data.priors.push_back(prior);
-      break;
-    }
-  }
-  for (const Prior& prior : prepared.study.priors) {
-    for (int k = 0; k < effects; ++k) {
-      const int unknown = data.num_gains() + base + k;
-      if (prepared.effect_parameters[static_cast<size_t>(k)].name != prior.parameter ||
-          std::any_of(data.priors.begin(), data.priors.end(), [&](const auto& p) { return p.unknown == unknown; })) {
-        continue;
-      }
-      data.priors.push_back({unknown, prior.value, prior.standard_deviation});
-    }
-  }
+  const Status priors = SetPriors(prepared.study, &data);
+  CHECK(priors.ok()) << priors.message();
   const Eigen::Index payload = before.num_columns() - before.num_base;
   auto sample = data.samples.begin();
   for (const PreparedRecording& recording : prepared.recordings) {

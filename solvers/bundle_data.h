@@ -76,6 +76,7 @@ struct BundleData {
 Result<BundleData> BuildBundleData(const PreparedStudy& prepared);
 
 // The same for a study whose effects alone have changed since `before` was built, without a pass over the recordings.
+// Its priors are on unknowns that are there (CHECK).
 BundleData WithEffectsOf(const PreparedStudy& prepared, const BundleData& before);
 
 // The covariance of the whole state vector of a sample, 3n x 3n in the order of BundleSample::state.

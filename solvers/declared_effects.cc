@@ -19,8 +19,6 @@ using Eigen::VectorXd;
 
 // Refit() moves shapes a few times; from a start far off this often again.
 constexpr int kMaxRefits = 4;
-// As Refit(): the step left is below this many standard deviations.
-constexpr double kSettled = 0.1;
 
 struct Declared {
   ActiveEffect active;
@@ -117,7 +115,7 @@ Result<EffectFit> AddKnown(const EffectFit& from, const Study& study, const std:
 bool IsSettled(const EffectFit& fit) {
   for (int k = 0; k < fit.data.num_unknowns(); ++k) {
     if (fit.data.unknowns[k].kind != ParameterKind::kEffectShape) continue;
-    if (std::abs(fit.summary.values[k]) > kSettled * std::sqrt(fit.summary.covariance(k, k))) return false;
+    if (std::abs(fit.summary.values[k]) > kShapeSettled * std::sqrt(fit.summary.covariance(k, k))) return false;
   }
   return true;
 }

@@ -16,41 +16,50 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int kMaxRounds = 8;
-// Settled: no shape would move by more than this many of its standard deviations.
-constexpr double kSettled = 0.1;
 // Without a value that is this many standard deviations from zero nothing tells a shape.
 constexpr double kTold = 2.0;
 constexpr int kHalvings = 3;
 
-// The values of `from` by name; unknowns that it does not have begin at zero.
+// The values of `from` by name. Unknowns that it does not have begin at zero, and so do steps of shapes: those of
+// `from` have been taken.
 VectorXd StartFrom(const BundleData& from, const VectorXd& values, const BundleData& to) {
   std::map<std::string, double> known;
   for (int k = 0; k < from.num_unknowns(); ++k) known[from.unknowns[k].name] = values[k];
   VectorXd start = VectorXd::Zero(to.num_unknowns());
   for (int k = 0; k < to.num_unknowns(); ++k) {
+    if (to.unknowns[k].kind == ParameterKind::kEffectShape) continue;
     const auto found = known.find(to.unknowns[k].name);
     if (found != known.end()) start[k] = found->second;
   }
   return start;
 }
 
+// Where the unknowns of an effect are: `linear` parameters from `at`, then the steps of `shapes` of its shapes.
+struct EffectUnknowns {
+  Index at = 0, linear = 0, shapes = 0;
+};
+
+std::vector<EffectUnknowns> UnknownsOf(const EffectFit& fit) {
+  const std::vector<int> first = FirstParameters(fit.prepared);
+  const Index begin = fit.data.num_gains() + fit.prepared.base.size();
+  std::vector<EffectUnknowns> all;
+  for (size_t e = 0; e < fit.prepared.effects.size(); ++e) {
+    const ActiveEffect& active = fit.prepared.effects[e];
+    const auto linear = static_cast<Index>(active.effect->Parameters(fit.prepared.study.robot, active.joints).size());
+    all.push_back({begin + first[e], linear, first[e + 1] - first[e] - linear});
+  }
+  return all;
+}
+
 bool IsFree(const ActiveEffect& active) { return active.values.size() > 0 && active.shape.size() > 0; }
 
-// `from` with the columns of other effects, unsolved. *values: unknowns of `from`, become those of the result; steps of
-// shapes are zero.
+// `from` with the columns of other effects, unsolved. *values: unknowns of `from`, become those of the result.
 EffectFit WithColumns(const EffectFit& from, const std::vector<ActiveEffect>& effects,
                       const std::vector<EffectMotion>& motions, VectorXd* values) {
   EffectFit fit = from;
   SetEffects(effects, motions, &fit.prepared);
   fit.data = WithEffectsOf(fit.prepared, from.data);
   *values = StartFrom(from.data, *values, fit.data);
-  const std::vector<int> first = FirstParameters(fit.prepared);
-  for (size_t e = 0; e < effects.size(); ++e) {
-    const Index linear =
-        static_cast<Index>(effects[e].effect->Parameters(fit.prepared.study.robot, effects[e].joints).size());
-    const Index at = fit.data.num_gains() + fit.prepared.base.size() + first[e];
-    values->segment(at + linear, first[e + 1] - first[e] - linear).setZero();
-  }
   return fit;
 }
 
@@ -79,26 +88,23 @@ struct Move {
 Move MoveOf(const EffectFit& fit, const std::vector<EffectMotion>& motions) {
   const size_t count = fit.prepared.effects.size();
   Move move{fit.prepared.effects, std::vector<double>(count, 0.0), std::vector<bool>(count, false)};
-  const std::vector<int> first = FirstParameters(fit.prepared);
-  const int begin = fit.data.num_gains() + fit.prepared.base.size();
-  for (size_t e = 0; e < move.effects.size(); ++e) {
+  const std::vector<EffectUnknowns> unknowns = UnknownsOf(fit);
+  for (size_t e = 0; e < count; ++e) {
     ActiveEffect& active = move.effects[e];
-    const int linear = static_cast<int>(active.effect->Parameters(fit.prepared.study.robot, active.joints).size());
     const std::vector<ShapeParameter> shapes = active.effect->Shapes(motions, active.joints);
-    const Index at = begin + first[e];
+    const auto [at, linear, free] = unknowns[e];
     double told = 0.0;
-    for (int k = 0; k < linear; ++k) {
+    for (Index k = 0; k < linear; ++k) {
       told = std::max(told, std::abs(fit.summary.values[at + k]) / std::sqrt(fit.summary.covariance(at + k, at + k)));
     }
-    const bool had_shapes = first[e + 1] - first[e] > linear;
-    for (Index s = 0; had_shapes && s < active.shape.size(); ++s) {
+    for (Index s = 0; s < free; ++s) {
       const Index unknown = at + linear + s;
       const double deviation = std::sqrt(fit.summary.covariance(unknown, unknown));
       // Not further than half of where it stands, nor beyond its limits.
       const double reach = 0.5 * std::max(std::abs(active.shape[s]), 1e-3 * (shapes[s].upper - shapes[s].lower));
       const double step = std::clamp(fit.summary.values[unknown], -reach, reach);
       const double next = shapes[s].Within(active.shape[s], active.shape[s] + step);
-      const bool at_limit = next == active.shape[s] && std::abs(step) > kSettled * deviation;
+      const bool at_limit = next == active.shape[s] && std::abs(step) > kShapeSettled * deviation;
       if (at_limit || deviation > shapes[s].upper - shapes[s].lower) move.stuck[e] = true;
       move.distance[e] = std::max(move.distance[e], std::abs(next - active.shape[s]) / deviation);
       active.shape[s] = next;
@@ -176,7 +182,7 @@ Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& 
       }
       continue;
     }
-    if (largest >= kSettled && !Backtrack(next, start, motions, &move)) {
+    if (largest >= kShapeSettled && !Backtrack(next, start, motions, &move)) {
       hold(static_cast<size_t>(farthest - move.distance.begin()));
       continue;
     }
@@ -185,33 +191,28 @@ Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& 
                    [](const auto& a, const auto& b) { return (a.values.size() > 0) == (b.values.size() > 0); });
     fit = std::move(next);
     fitted = true;
-    if (round > 0 && same_columns && largest < kSettled) break;
+    if (round > 0 && same_columns && largest < kShapeSettled) break;
     now = std::move(move.effects);
   }
   if (!fitted) return Status::Untrusted("the bundle cannot be fitted with the shapes of the effects free or held");
-  if (!fit.summary.IsSolutionUsable()) return fit.summary.status;
   fit.summary = Solve(fit, fit.summary.values, true);
   if (!fit.summary.IsSolutionUsable()) return fit.summary.status;
   // The shapes that the columns have, the values that they were found with.
-  const std::vector<int> first = FirstParameters(fit.prepared);
+  const std::vector<EffectUnknowns> unknowns = UnknownsOf(fit);
   for (size_t e = 0; e < fit.prepared.effects.size(); ++e) {
     ActiveEffect& active = fit.prepared.effects[e];
-    if (active.values.size() == 0) continue;
-    active.values =
-        fit.summary.values.segment(fit.data.num_gains() + fit.prepared.base.size() + first[e], active.values.size());
+    if (active.values.size() > 0) active.values = fit.summary.values.segment(unknowns[e].at, unknowns[e].linear);
   }
   return fit;
 }
 
 std::vector<ActiveEffect> OfWrongSign(const EffectFit& fit) {
   std::vector<ActiveEffect> wrong;
-  const std::vector<int> first = FirstParameters(fit.prepared);
-  for (size_t e = 0; e < fit.prepared.effects.size(); ++e) {
+  const std::vector<EffectUnknowns> unknowns = UnknownsOf(fit);
+  for (size_t e = 0; e < unknowns.size(); ++e) {
     const ActiveEffect& active = fit.prepared.effects[e];
     if (!active.effect->non_negative()) continue;
-    const Index linear = static_cast<Index>(active.effect->Parameters(fit.prepared.study.robot, active.joints).size());
-    const Index at = fit.data.num_gains() + fit.prepared.base.size() + first[e];
-    if (fit.summary.values.segment(at, linear).minCoeff() < 0.0) wrong.push_back(active);
+    if (fit.summary.values.segment(unknowns[e].at, unknowns[e].linear).minCoeff() < 0.0) wrong.push_back(active);
   }
   return wrong;
 }

@@ -13,6 +13,9 @@
 
 namespace idim {
 
+// Settled: no shape would move by more than this many of its standard deviations.
+inline constexpr double kShapeSettled = 0.1;
+
 struct EffectFit {
   PreparedStudy prepared;  // with the effects
   BundleData data;

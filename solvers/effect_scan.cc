@@ -232,10 +232,8 @@ void SetHeldOut(const ResidualModel& residual, const MatrixXd& before, EffectCan
   candidate->held_out_gain = (before - after).rowwise().sum();
   double squares = before.sum();
   if (candidate->effect.joints.size() == 1) squares = before.col(candidate->effect.joints[0]).sum();
-  const double folds = static_cast<double>(before.rows());
-  const VectorXd centred = candidate->held_out_gain.array() - candidate->held_out_gain.mean();
   candidate->held_out_decrease = candidate->held_out_gain.sum() / squares;
-  candidate->held_out_error = std::sqrt(folds / (folds - 1.0) * centred.squaredNorm()) / squares;
+  candidate->held_out_error = StandardErrorOfSum(candidate->held_out_gain) / squares;
 }
 
 }  // namespace

@@ -81,9 +81,4 @@ VectorXd HeldOutByFold(const ResidualModel& measure, const JudgedFit& model, con
   return sum;
 }
 
-double StandardErrorOfSum(const VectorXd& folds) {
-  const double count = static_cast<double>(folds.size());
-  return std::sqrt(count / (count - 1.0) * (folds.array() - folds.mean()).matrix().squaredNorm());
-}
-
 }  // namespace idim

@@ -39,9 +39,6 @@ LoopErrors ErrorsOf(const JudgedFit& model, bool by_blocks);
 // `measure`.
 Eigen::VectorXd HeldOutByFold(const ResidualModel& measure, const JudgedFit& model, const std::vector<int>& joints);
 
-// Of the sum of `folds`, by their spread.
-double StandardErrorOfSum(const Eigen::VectorXd& folds);
-
 }  // namespace idim
 
 #endif  // IDIM_SOLVERS_JUDGED_FIT_H_

@@ -83,8 +83,8 @@ std::vector<DeclaredEffect> EffectsAt(const StatedModel& stated) {
     // Limits differ a little from run to run; recordings, by which payload_change counts, from those of the study.
     for (size_t s = 0; s < shapes.size() && active.effect->id() != "payload_change"; ++s) {
       const double margin = 0.01 * (shapes[s].upper - shapes[s].lower);
-      const double start = std::clamp(active.shape[static_cast<Eigen::Index>(s)], shapes[s].lower + margin,
-                                      shapes[s].upper - margin);
+      const double start =
+          std::clamp(active.shape[static_cast<Eigen::Index>(s)], shapes[s].lower + margin, shapes[s].upper - margin);
       declared.shape.push_back({shapes[s].name, start, declared.where});
     }
     effects.push_back(std::move(declared));

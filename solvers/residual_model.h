@@ -103,6 +103,9 @@ class ResidualModel {
   Eigen::MatrixXd torque_;
 };
 
+// Of the sum of `folds`, by their spread.
+double StandardErrorOfSum(const Eigen::VectorXd& folds);
+
 }  // namespace idim
 
 #endif  // IDIM_SOLVERS_RESIDUAL_MODEL_H_

@@ -151,7 +151,7 @@ TEST(DeclaredEffects, EivIsRefitByHand) {
   EXPECT_NEAR(vs->value, declared.Find("stribeck_vs_2")->value, 0.1 * vs->standard_deviation);
 }
 
-// One step of a line search between points of the grid, which are a factor of 2 apart; its middle is another one.
+// By a line search between points of the grid; its middle is another one.
 TEST(DeclaredEffects, TheShapeIsFoundOnTheResidual) {
   const Result<EffectFit> without = FitDeclared(PreparedWith(""));
   ASSERT_TRUE(without.ok()) << without.status().message();

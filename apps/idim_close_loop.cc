@@ -8,10 +8,11 @@
 #include <iostream>
 #include <thread>
 
+#include "apps/pages/loop_report.h"
 #include "apps/program.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "solvers/loop_report.h"
+#include "core/estimate/estimate_json.h"
 
 DEFINE_string(output, "", "Directory for loop.json, estimate.json, residuals.csv and report.html");
 DEFINE_double(

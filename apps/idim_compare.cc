@@ -9,13 +9,13 @@
 #include <optional>
 #include <thread>
 
+#include "apps/pages/comparison_report.h"
 #include "apps/program.h"
 #include "core/base/file.h"
-#include "core/estimate/comparison_report.h"
 #include "core/estimate/reference.h"
-#include "solvers/declared_effects.h"
-#include "solvers/estimators.h"
-#include "solvers/monte_carlo.h"
+#include "solvers/estimators/estimators.h"
+#include "solvers/judge/monte_carlo.h"
+#include "solvers/loop/declared_effects.h"
 
 DEFINE_string(output, "", "Directory for comparison.json and report.html");
 DEFINE_double(r_sigma, 0.0,

@@ -6,12 +6,13 @@
 #include <chrono>
 #include <iostream>
 
+#include "apps/pages/identification_report.h"
 #include "apps/program.h"
 #include "core/base/file.h"
-#include "core/estimate/identification_report.h"
+#include "core/estimate/estimate_json.h"
 #include "core/estimate/reference.h"
-#include "solvers/declared_effects.h"
-#include "solvers/estimators.h"
+#include "solvers/estimators/estimators.h"
+#include "solvers/loop/declared_effects.h"
 
 DEFINE_string(estimator, "eiv",
               "eiv: errors in variables, maximum likelihood; ls | wls: least squares, rows as they are or weighted per "

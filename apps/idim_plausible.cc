@@ -1,5 +1,5 @@
-// Physically consistent standard parameters with stated base parameters (solvers/plausible_parameters.h), written so
-// that a scenario can name the file under its key `parameters`.
+// Physically consistent standard parameters with stated base parameters (solvers/consistent/plausible_parameters.h),
+// written so that a scenario can name the file under its key `parameters`.
 
 #include <gflags/gflags.h>
 #include <glog/logging.h>
@@ -11,7 +11,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/robot/robot_reader.h"
-#include "solvers/plausible_parameters.h"
+#include "solvers/consistent/plausible_parameters.h"
 
 DEFINE_string(output, "", "Directory for parameters.yaml");
 

@@ -8,6 +8,7 @@
 #include "apps/program.h"
 #include "core/base/file.h"
 #include "core/simulation/scenario.h"
+#include "core/simulation/simulate_scenario.h"
 
 DEFINE_string(output, "", "Directory for the recordings, study.yaml, robot.yaml and truth.json");
 

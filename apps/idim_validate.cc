@@ -5,11 +5,11 @@
 
 #include <iostream>
 
+#include "apps/pages/validation_report.h"
 #include "apps/program.h"
 #include "core/base/file.h"
 #include "core/recording/study.h"
-#include "solvers/validation.h"
-#include "solvers/validation_report.h"
+#include "solvers/judge/validation.h"
 
 DEFINE_string(estimate, "", "Comma-separated estimate.json files to judge, with their gains or the study's");
 DEFINE_string(output, "", "Directory for validation.json and report.html");

@@ -32,7 +32,7 @@
 #include <vector>
 
 #include "core/robot/robot_reader.h"
-#include "solvers/bundle.h"
+#include "solvers/bundle/bundle.h"
 
 DEFINE_string(arm, "2r", "2r or 6r, with --write");
 DEFINE_int32(samples, 100000, "with --write, at least 100");

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "solvers/estimators.h"
-#include "solvers/gain_system.h"
+#include "solvers/estimators/estimators.h"
+#include "solvers/linear/gain_system.h"
 
 namespace idim {
 namespace {

@@ -12,9 +12,10 @@
 
 #include "core/base/status.h"
 #include "core/estimate/estimate.h"
-#include "core/observation/prepared_study.h"
+#include "core/model/prepared_study.h"
 #include "core/simulation/scenario.h"
-#include "solvers/validation.h"
+#include "core/simulation/simulate_scenario.h"
+#include "solvers/judge/validation.h"
 
 namespace idim {
 
@@ -23,7 +24,7 @@ enum class Told { kNothing, kMass, kTen };
 
 struct PaperCase {
   std::string name;       // as the paper's tables name it
-  std::string estimator;  // solvers/estimators.h
+  std::string estimator;  // solvers/estimators/estimators.h
   Told told = Told::kMass;
   Estimate estimate;      // essential parameters
   Validation validation;  // of every validation recording, in the scenario's order

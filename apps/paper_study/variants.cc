@@ -10,10 +10,10 @@
 
 #include "core/base/decompositions.h"
 #include "core/simulation/random.h"
-#include "solvers/gain_identification.h"
-#include "solvers/gain_system.h"
-#include "solvers/least_squares.h"
-#include "solvers/signal_noise.h"
+#include "solvers/linear/gain_identification.h"
+#include "solvers/linear/gain_system.h"
+#include "solvers/linear/least_squares.h"
+#include "solvers/linear/signal_noise.h"
 
 namespace idim {
 namespace {

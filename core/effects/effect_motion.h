@@ -14,7 +14,7 @@
 
 #include "core/dynamics/base_parameters.h"
 #include "core/effects/effect.h"
-#include "core/signal/preprocessing.h"
+#include "core/motion/preprocessing.h"
 
 namespace idim {
 

@@ -38,7 +38,7 @@ struct RecordingFit {
   Eigen::VectorXd residual_lag1;  // autocorrelation of the decimated residual at lag 1: 0 if white
 };
 
-// How well the data determine one drive gain (solvers/gain_verdict.h).
+// How well the data determine one drive gain (solvers/linear/gain_verdict.h).
 struct GainDiagnosis {
   std::string name;
   std::string strength;                // "strong", "weak" or "none"
@@ -73,7 +73,7 @@ struct Estimate {
   Eigen::VectorXd singular_values;            // of W_tot, decreasing; total least squares only
   std::vector<RecordingFit> recordings;
   std::vector<EstimatedEffect> effects;
-  bool velocity_zero_at_rest = false;  // in the model's velocities (core/observation/prepared_study.h)
+  bool velocity_zero_at_rest = false;  // in the model's velocities (core/model/prepared_study.h)
   double condition_number = -1.0;
   double condition_number_weighted = -1.0;
   double relative_error_percent = -1.0;  // of all identification recordings together, the paper's |rho| / |Y|
@@ -87,9 +87,6 @@ struct Estimate {
   // nullptr where there is no such parameter.
   const ParameterEstimate* Find(const std::string& name) const;
 };
-
-// Deterministic but for "seconds".
-std::string EstimateToJson(const Estimate& estimate);
 
 // "IDIM-WLS" of "wls".
 std::string EstimatorTitle(const std::string& estimator);

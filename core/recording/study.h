@@ -12,7 +12,6 @@
 
 #include "core/base/status.h"
 #include "core/dynamics/standard_model.h"
-#include "core/effects/effect.h"
 #include "core/recording/recording.h"
 #include "core/robot/robot.h"
 
@@ -59,19 +58,21 @@ struct RecordingEntry {
   std::optional<std::pair<int, int>> rows;
 };
 
-// A start value for a shape parameter. Names and limits depend on the motion: solvers/declared_effects.h checks them.
+// A start value for a shape parameter. Names and limits depend on the motion: solvers/loop/declared_effects.h checks
+// them.
 struct DeclaredShape {
   std::string name;
   double value = 0.0;
   std::string where;  // "file:line: key '...'", for messages
 };
 
-// An effect that the user declares to be there, at one place.
+// An effect that the user declares to be there, as written: core/effects/placed_effects.h knows what it may be.
 struct DeclaredEffect {
-  const Effect* effect = nullptr;    // none of the declared friction
-  std::vector<int> joints;           // zero-based, see Effect::Parameters()
+  std::string id;
+  std::vector<int> joints;           // zero-based; [1, 2] of a joint's effect is one on each
   std::vector<DeclaredShape> shape;  // empty: to be found
   std::string where;                 // "file:line: key '...'", for messages
+  std::string id_where, joints_where;
 };
 
 struct PreprocessingRequest {
@@ -91,7 +92,7 @@ struct Study {
   Eigen::VectorXd gains;
   std::vector<Prior> priors;
   FrictionModel friction;
-  std::vector<DeclaredEffect> effects;  // one a place: joints [1, 2] of a joint's effect make two
+  std::vector<DeclaredEffect> effects;
   Side position_side = Side::kJoint;
   Side signal_side = Side::kJoint;
   // Keyed like the contract: "t", "q1", "v1", "tau1", "dq1", "ddq1"; only those the study declares.
@@ -108,8 +109,7 @@ struct Study {
 // Defaults: gains known and 1; friction viscous, coulomb, offset; both sides joint; a recording's name is that of its
 // file without the extension, its use identification. Refused, naming file, line and key: unknown keys (with the
 // nearest known one), wrong types and lengths, values that are not finite, a recording that is nowhere, names given
-// twice, an undeclared payload, no identification recording, effects of unknown id, of the declared friction, at joints
-// that there are not or twice at a place.
+// twice, an undeclared payload, no identification recording, effects at joints that there are not.
 Result<Study> ReadStudy(const std::string& yaml_path);
 
 // Reads the files of one entry and maps positions to the joint side (motor side: q = T^-1 q_motor, dq and ddq alike).

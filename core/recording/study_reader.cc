@@ -7,7 +7,6 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/base/yaml.h"
-#include "core/effects/effect.h"
 #include "core/recording/data_path.h"
 #include "core/recording/study.h"
 #include "core/robot/robot_reader.h"
@@ -263,57 +262,13 @@ class StudyReader {
       return;
     }
     DeclaredEffect effect;
-    const std::string id_key = KeyPath(key, "id");
-    const std::string id = file_.Text(node["id"], id_key, "the id of an effect");
-    std::vector<std::string> ids;
-    for (const Effect* known : AllEffects()) {
-      if (!known->in_standard_model()) ids.push_back(known->id());
-      if (known->id() == id) effect.effect = known;
-    }
-    if (effect.effect != nullptr && effect.effect->in_standard_model()) {
-      file_.Fail(node["id"], id_key, "'" + id + "' is part of the drive model", "it in the list of key 'friction'");
-    }
-    file_.Choice(node["id"], id_key, ids);
-    if (!file_.ok()) return;
+    const std::string id_key = KeyPath(key, "id"), joints_key = KeyPath(key, "joints");
+    effect.id = file_.Text(node["id"], id_key, "the id of an effect");
     effect.where = Where(node, key);
+    effect.id_where = Where(node["id"], id_key);
+    effect.joints_where = Where(node["joints"].IsDefined() ? node["joints"] : node, joints_key);
     if (node["shape"].IsDefined()) ReadShape(node["shape"], KeyPath(key, "shape"), &effect);
-    const EffectSite site = effect.effect->site();
-    const std::string joints_key = KeyPath(key, "joints");
-    std::vector<int> joints;
-    if (site == EffectSite::kArm) {
-      if (node["joints"].IsDefined() && node["joints"].size() > 0) {
-        file_.Fail(node["joints"], joints_key, "'" + id + "' is an effect of the whole arm", "no joints");
-      }
-    } else {
-      const std::string expected = site == EffectSite::kJoint ? "a list of joints" : "a list of two joints";
-      if (!file_.Require(node, key, "joints", expected)) return;
-      joints = file_.Joints(node["joints"], joints_key, n_, expected);
-      if (site == EffectSite::kJointPair ? joints.size() != 2 : joints.empty()) {
-        file_.Fail(node["joints"], joints_key, std::to_string(joints.size()) + " joints for '" + id + "'",
-                   site == EffectSite::kJoint ? "one or more" : "two");
-      }
-      std::sort(joints.begin(), joints.end());
-      if (std::adjacent_find(joints.begin(), joints.end()) != joints.end()) {
-        file_.Fail(node["joints"], joints_key, "a joint is given twice", "distinct joints");
-      }
-    }
-    if (!file_.ok()) return;
-    if (site != EffectSite::kJoint) {
-      AddEffect(effect, joints, node, key);
-      return;
-    }
-    for (const int joint : joints) AddEffect(effect, {joint}, node, key);
-  }
-
-  void AddEffect(DeclaredEffect effect, const std::vector<int>& joints, const YAML::Node& node,
-                 const std::string& key) {
-    for (const DeclaredEffect& other : study_.effects) {
-      if (other.effect != effect.effect || other.joints != joints) continue;
-      const std::string place = joints.empty() ? "" : " on joint " + std::to_string(joints[0] + 1);
-      file_.Fail(node, key, "'" + effect.effect->id() + "'" + place + " is given twice",
-                 "one effect of an id at a place");
-    }
-    effect.joints = joints;
+    if (node["joints"].IsDefined()) effect.joints = file_.Joints(node["joints"], joints_key, n_, "a list of joints");
     study_.effects.push_back(std::move(effect));
   }
 

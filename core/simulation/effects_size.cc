@@ -9,6 +9,7 @@
 
 #include "core/base/text.h"
 #include "core/simulation/effects_truth.h"
+#include "core/simulation/simulate_scenario.h"
 
 namespace idim {
 namespace {

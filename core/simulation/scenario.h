@@ -42,7 +42,6 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file.h"
 #include "core/base/status.h"
 #include "core/recording/study.h"
 #include "core/robot/robot.h"
@@ -86,20 +85,6 @@ struct Scenario {
 
 // One message with file, line and key on bad input.
 Result<Scenario> ReadScenario(const std::string& yaml_path);
-
-// Truth and log of one recording of the scenario, effects included. CHECKs the effects (CheckEffects(),
-// core/simulation/effects_truth.h). q, dq and ddq are the motors' in joint coordinates, which is what is logged.
-Truth SimulateTruth(const Scenario& scenario, const ScenarioRecording& recording);
-Recording SimulateLog(const Scenario& scenario, const ScenarioRecording& recording, const Truth& truth);
-
-// The study that `idim_simulate` writes, its recordings to be simulated: what an experimenter knows of the scenario.
-Study StudyOf(const Scenario& scenario);
-
-// All that `idim_simulate` writes, none of it depending on where: robot.yaml (and its URDF), one CSV a recording,
-// study.yaml, and truth.json with the true gains, base, payload and standard parameters, named as in estimate.json, and
-// the effects, of which study.yaml says nothing.
-// Quantised values are written with the digits that tell the steps apart to a tenth, others in full.
-Result<std::vector<OutputFile>> RenderScenario(const Scenario& scenario);
 
 }  // namespace idim
 

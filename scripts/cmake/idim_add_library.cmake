@@ -1,22 +1,23 @@
-# idim_add_library(<folder> [dependencies...]): target idim_<folder>, alias and export idim::<folder>, sources
-# and headers of the folder, headers installed below include/idim.
-function(idim_add_library folder)
+# idim_add_library(<name> [dependencies...]) in the library's folder: target idim_<name>, alias and export idim::<name>,
+# sources and headers of the folder, headers installed below include/idim as they lie in the tree.
+function(idim_add_library name)
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
   if(sources)
-    add_library(idim_${folder} STATIC ${sources})
+    add_library(idim_${name} STATIC ${sources})
     set(scope PUBLIC)
-    target_link_libraries(idim_${folder} PRIVATE $<BUILD_INTERFACE:idim_compile_options>)
+    target_link_libraries(idim_${name} PRIVATE $<BUILD_INTERFACE:idim_compile_options>)
   else()
-    add_library(idim_${folder} INTERFACE)
+    add_library(idim_${name} INTERFACE)
     set(scope INTERFACE)
   endif()
-  add_library(idim::${folder} ALIAS idim_${folder})
-  set_target_properties(idim_${folder} PROPERTIES EXPORT_NAME ${folder})
-  target_compile_features(idim_${folder} ${scope} cxx_std_17)
-  target_include_directories(idim_${folder} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+  add_library(idim::${name} ALIAS idim_${name})
+  set_target_properties(idim_${name} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(idim_${name} ${scope} cxx_std_17)
+  target_include_directories(idim_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
                                                      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/idim>)
-  target_link_libraries(idim_${folder} ${scope} ${ARGN})
-  install(TARGETS idim_${folder} EXPORT idim_targets)
+  target_link_libraries(idim_${name} ${scope} ${ARGN})
+  install(TARGETS idim_${name} EXPORT idim_targets)
   install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/idim/${folder}
           FILES_MATCHING PATTERN "*.h" PATTERN "node_modules" EXCLUDE)
 endfunction()

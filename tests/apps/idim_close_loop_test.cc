@@ -8,8 +8,8 @@
 
 #include "tests/apps/comparison_study.h"
 #include "tests/apps/small_study.h"
-#include "tests/solvers/simulated_study.h"
 #include "tests/support/browser.h"
+#include "tests/support/simulated_study.h"
 
 namespace idim {
 namespace {

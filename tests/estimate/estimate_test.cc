@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/estimate/estimate_json.h"
 #include "core/estimate/reference.h"
 #include "core/estimate/series.h"
 #include "tests/support/temp_folder.h"

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/comparison_report.h"
-#include "core/estimate/monte_carlo_report.h"
+#include "apps/pages/comparison_report.h"
+#include "apps/pages/monte_carlo_report.h"
 #include "core/simulation/random.h"
 
 namespace idim {

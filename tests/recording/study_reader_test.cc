@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <stdlib.h>
 
+#include "core/effects/placed_effects.h"
 #include "core/recording/study.h"
 #include "tests/recording/study_fixture.h"
 
@@ -113,15 +114,17 @@ TEST(ReadStudy, EffectsHaveAPlaceEach) {
                   {"motor_coupling", {0, 1}, 0},
                   {"base_tilt", {}, 0},
                   {"payload_change", {}, 0}};
-  ASSERT_EQ(study->effects.size(), std::size(expected));
+  const Result<std::vector<PlacedEffect>> placed = PlaceDeclaredEffects(*study);
+  ASSERT_TRUE(placed.ok()) << placed.status().message();
+  ASSERT_EQ(placed->size(), std::size(expected));
   for (size_t k = 0; k < std::size(expected); ++k) {
-    EXPECT_EQ(study->effects[k].effect, FindEffect(expected[k].id));
-    EXPECT_EQ(study->effects[k].joints, expected[k].joints);
-    ASSERT_EQ(study->effects[k].shape.size(), expected[k].shapes);
+    EXPECT_EQ((*placed)[k].effect, FindEffect(expected[k].id));
+    EXPECT_EQ((*placed)[k].joints, expected[k].joints);
+    ASSERT_EQ((*placed)[k].shape.size(), expected[k].shapes);
   }
-  EXPECT_EQ(study->effects[1].shape[0].name, "x_s");
-  EXPECT_EQ(study->effects[1].shape[0].value, 0.001);
-  EXPECT_EQ(study->effects[1].shape[0].where, files.study_path() + ":4: key 'effects[1].shape.x_s'");
+  EXPECT_EQ((*placed)[1].shape[0].name, "x_s");
+  EXPECT_EQ((*placed)[1].shape[0].value, 0.001);
+  EXPECT_EQ((*placed)[1].shape[0].where, files.study_path() + ":4: key 'effects[1].shape.x_s'");
 }
 
 TEST(ReadStudy, GainsToIdentifyWithoutValuesHaveNone) {
@@ -192,15 +195,21 @@ void PrintTo(const BadStudy& test, std::ostream* out) { *out << test.name; }
 
 class BadStudyTest : public ::testing::TestWithParam<BadStudy> {};
 
+// What a program sees before it reads a recording.
+Status ReadAndPlace(const std::string& path) {
+  const Result<Study> study = ReadStudy(path);
+  return study.ok() ? PlaceDeclaredEffects(*study).status() : study.status();
+}
+
 TEST_P(BadStudyTest, IsRefusedWithAClearMessage) {
   const StudyFolder files(GetParam().text);
-  const Result<Study> study = ReadStudy(files.study_path());
-  ASSERT_FALSE(study.ok());
-  EXPECT_EQ(study.status().code(), StatusCode::kBadInput);
-  EXPECT_EQ(study.status().exit_code(), 1);
-  EXPECT_THAT(study.status().message(), HasSubstr("study.yaml:"));
-  EXPECT_THAT(study.status().message(), HasSubstr("expected "));
-  for (const std::string& part : GetParam().message) EXPECT_THAT(study.status().message(), HasSubstr(part));
+  const Status status = ReadAndPlace(files.study_path());
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_EQ(status.exit_code(), 1);
+  EXPECT_THAT(status.message(), HasSubstr("study.yaml:"));
+  EXPECT_THAT(status.message(), HasSubstr("expected "));
+  for (const std::string& part : GetParam().message) EXPECT_THAT(status.message(), HasSubstr(part));
 }
 
 std::string With(const std::string& lines) { return kPlainStudy + lines + "\n"; }

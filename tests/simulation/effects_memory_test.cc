@@ -7,6 +7,7 @@
 
 #include "core/simulation/effects_truth.h"
 #include "core/simulation/scenario.h"
+#include "core/simulation/simulate_scenario.h"
 
 namespace idim {
 namespace {

@@ -9,6 +9,7 @@
 #include "core/base/file.h"
 #include "core/simulation/effects_truth.h"
 #include "core/simulation/scenario.h"
+#include "core/simulation/simulate_scenario.h"
 #include "tests/support/temp_folder.h"
 
 namespace idim {

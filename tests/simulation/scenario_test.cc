@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "core/dynamics/base_parameters.h"
+#include "core/simulation/simulate_scenario.h"
 
 namespace idim {
 namespace {

@@ -9,6 +9,7 @@
 #include "core/base/file.h"
 #include "core/recording/study.h"
 #include "core/simulation/scenario.h"
+#include "core/simulation/simulate_scenario.h"
 
 namespace idim {
 namespace {

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "solvers/bundle.h"
+#include "solvers/bundle/bundle.h"
 #include "tests/support/eiv_draws.h"
 #include "tests/support/monte_carlo.h"
 

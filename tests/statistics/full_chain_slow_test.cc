@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "core/base/decompositions.h"
-#include "core/observation/prepared_study.h"
+#include "core/model/prepared_study.h"
 #include "core/simulation/simulate.h"
-#include "solvers/bundle.h"
+#include "solvers/bundle/bundle.h"
 #include "tests/support/eiv_draws.h"
 #include "tests/support/monte_carlo.h"
 #include "tests/support/tx40_scenario.h"

@@ -14,8 +14,8 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "solvers/bundle.h"
-#include "solvers/gain_identification.h"
+#include "solvers/bundle/bundle.h"
+#include "solvers/linear/gain_identification.h"
 #include "tests/support/eiv_draws.h"
 #include "tests/support/monte_carlo.h"
 #include "tests/support/tx40_scenario.h"

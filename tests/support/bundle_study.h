@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "core/base/decompositions.h"
-#include "solvers/bundle_data.h"
+#include "solvers/bundle/bundle_data.h"
 #include "tests/support/gain_study.h"
 
 namespace idim::testing {

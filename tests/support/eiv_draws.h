@@ -23,8 +23,9 @@
 
 #include "core/base/decompositions.h"
 #include "core/simulation/scenario.h"
-#include "solvers/bundle_data.h"
-#include "solvers/gain_system.h"
+#include "core/simulation/simulate_scenario.h"
+#include "solvers/bundle/bundle_data.h"
+#include "solvers/linear/gain_system.h"
 #include "tests/support/bundle_study.h"
 #include "tests/support/gain_study.h"
 
@@ -180,7 +181,8 @@ inline GainStudy ExactStudy(const Scenario& scenario) {
   return result;
 }
 
-// The same samples as the rows of W_tot (solvers/gain_system.h), signals on the joint side. Not for verdicts on gains.
+// The same samples as the rows of W_tot (solvers/linear/gain_system.h), signals on the joint side. Not for verdicts on
+// gains.
 inline GainSystem GainSystemOf(const BundleData& data) {
   const int n = data.dof;
   GainSystem system(data.unknowns, n);

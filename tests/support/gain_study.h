@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "core/base/decompositions.h"
-#include "core/observation/prepared_study.h"
-#include "solvers/gain_system.h"
+#include "core/model/prepared_study.h"
+#include "solvers/linear/gain_system.h"
 #include "tests/support/random_arm.h"
 
 namespace idim::testing {

@@ -29,7 +29,7 @@
 #include <vector>
 
 #include "core/base/decompositions.h"
-#include "solvers/bundle.h"
+#include "solvers/bundle/bundle.h"
 
 namespace idim::testing {
 

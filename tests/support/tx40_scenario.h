@@ -13,6 +13,7 @@
 #include <string>
 
 #include "core/simulation/scenario.h"
+#include "core/simulation/simulate_scenario.h"
 #include "tests/support/temp_folder.h"
 
 namespace idim::testing {

@@ -1,0 +1,229 @@
+#include "solvers/judge/monte_carlo.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <random>
+#include <thread>
+#include <utility>
+
+#include "core/model/active_effects.h"
+#include "core/model/payload_unknowns.h"
+#include "core/model/prediction.h"
+#include "core/simulation/simulate.h"
+#include "solvers/estimators/estimators.h"
+#include "solvers/judge/validation.h"
+#include "solvers/linear/gain_system.h"
+#include "solvers/loop/declared_effects.h"
+
+namespace idim {
+namespace {
+
+using Eigen::MatrixXd;
+
+// All that the runs share; read by every thread, written by none.
+struct Simulator {
+  Study study;                // identification recordings only, with the filter of the original
+  std::vector<Truth> truths;  // one a recording of `study`
+  std::vector<bool> signal_is_torque;
+  std::vector<TrueParameter> parameters;
+  NoiseOptions noise;
+};
+
+Result<ArmParameters> ArmOf(const PreparedStudy& prepared, const Estimate& estimate) {
+  Reference reference;
+  reference.name = estimate.estimator;
+  for (const ParameterEstimate& p : estimate.parameters) {
+    reference.parameters.push_back({p.parameter.name, p.value, p.standard_deviation});
+  }
+  for (const EstimatedEffect& effect : estimate.effects) reference.effects.push_back(effect);
+  return ParametersOf(prepared, reference);
+}
+
+// Of the model, in the order of the estimates: gains where they are identified, base parameters, those of effects,
+// unknown payloads'.
+std::vector<TrueParameter> TrueParameters(const PreparedStudy& prepared, const ArmParameters& arm) {
+  const Study& study = prepared.study;
+  std::vector<Parameter> names;
+  std::vector<double> values;
+  if (study.gains_mode == GainsMode::kIdentify) {
+    names = GainParameters(study.robot.dof());
+    values.assign(arm.gains.data(), arm.gains.data() + arm.gains.size());
+  }
+  const std::vector<Parameter> of_model = prepared.parameters();
+  names.insert(names.end(), of_model.begin(), of_model.end());
+  Eigen::VectorXd chi = arm.chi;
+  const Eigen::VectorXd shapes = ShapeOffsets(prepared);
+  chi.tail(shapes.size()) += shapes;
+  values.insert(values.end(), chi.data(), chi.data() + chi.size());
+  const auto columns = AppendPayloadUnknowns(study, &names);
+  values.resize(names.size());
+  for (size_t p = 0; p < columns.size(); ++p) {
+    for (int k = 0; k < kNumInertial; ++k) {
+      if (columns[p][k] >= 0) values[static_cast<size_t>(columns[p][k])] = arm.payloads[p][k];
+    }
+  }
+  std::vector<TrueParameter> parameters;
+  for (size_t k = 0; k < names.size(); ++k) parameters.push_back({names[k], values[k]});
+  return parameters;
+}
+
+// To be declared in every run, where shapes begin from the truth.
+std::vector<DeclaredEffect> EffectsAt(const StatedModel& stated) {
+  std::vector<DeclaredEffect> effects;
+  for (const ActiveEffect& active : stated.prepared.effects) {
+    DeclaredEffect declared;
+    declared.id = active.effect->id();
+    declared.joints = active.joints;
+    declared.where = declared.id_where = declared.joints_where =
+        stated.prepared.study.path + ": " + EffectTitle(active);
+    const std::vector<ShapeParameter> shapes = ShapesAlong(stated.prepared, *active.effect, active.joints);
+    // Limits differ a little from run to run; recordings, by which payload_change counts, from those of the study.
+    for (size_t s = 0; s < shapes.size() && active.effect->id() != "payload_change"; ++s) {
+      const double margin = 0.01 * (shapes[s].upper - shapes[s].lower);
+      const double start =
+          std::clamp(active.shape[static_cast<Eigen::Index>(s)], shapes[s].lower + margin, shapes[s].upper - margin);
+      declared.shape.push_back({shapes[s].name, start, declared.where});
+    }
+    effects.push_back(std::move(declared));
+  }
+  return effects;
+}
+
+Result<Simulator> MakeSimulator(const PreparedStudy& prepared, const Estimate& reference) {
+  const int n = prepared.study.robot.dof();
+  const Result<ArmParameters> arm = ArmOf(prepared, reference);
+  if (!arm.ok()) return arm.status();
+  // torque = map * signal, row by row.
+  const MatrixXd map = JointTorque(prepared.study, arm->gains, MatrixXd::Identity(n, n)).transpose();
+  const Eigen::FullPivLU<MatrixXd> inverse(map);
+  if (!inverse.isInvertible()) {
+    return Status::BadInput(prepared.study.path +
+                            ": a drive gain of the estimate is zero, so no signal gives its joint a torque");
+  }
+  Simulator simulator;
+  simulator.study = prepared.study;
+  simulator.study.recordings.clear();
+  simulator.study.preprocessing.cutoff_hz = prepared.preprocessing.cutoff_hz;
+  simulator.study.preprocessing.decimation = prepared.preprocessing.decimation;
+  simulator.parameters = TrueParameters(prepared, *arm);
+  simulator.noise.position = prepared.position_noise;
+  simulator.noise.signal = reference.signal_noise;
+  const StatedModel stated = AsStated(prepared, *arm);
+  simulator.study.effects = EffectsAt(stated);
+  for (const PreparedRecording& recording : stated.prepared.recordings) {
+    if (recording.entry.use != Use::kIdentification) continue;
+    simulator.study.recordings.push_back(recording.entry);
+    Truth truth;
+    truth.t = recording.recording.t;
+    truth.q = recording.states.q;
+    truth.torque = Predict(stated.prepared, recording, stated.arm).model;
+    truth.signal = inverse.solve(truth.torque.transpose()).transpose();
+    simulator.truths.push_back(std::move(truth));
+    simulator.signal_is_torque.push_back(recording.recording.signal_is_torque);
+  }
+  return simulator;
+}
+
+// Fixed by the C++ standard, unlike std::hash.
+std::uint64_t SeedOf(std::uint64_t seed, int run, size_t recording) {
+  std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
+                         static_cast<std::uint32_t>(run), static_cast<std::uint32_t>(recording)};
+  std::uint32_t words[2];
+  sequence.generate(words, words + 2);
+  return static_cast<std::uint64_t>(words[1]) << 32 | words[0];
+}
+
+Estimate Failed(const std::string& estimator, const Status& status) {
+  Estimate estimate;
+  estimate.estimator = estimator;
+  estimate.status = status;
+  return estimate;
+}
+
+// One entry an estimator.
+std::vector<RunErrors> OneRun(const Simulator& simulator, const std::vector<std::string>& estimators,
+                              const MonteCarloOptions& options, int run) {
+  std::vector<Recording> recordings;
+  for (size_t k = 0; k < simulator.truths.size(); ++k) {
+    recordings.push_back(
+        AddNoise(simulator.truths[k], simulator.study.robot, simulator.noise, SeedOf(options.seed, run, k)));
+    recordings.back().name = simulator.study.recordings[k].name;
+    recordings.back().signal_is_torque = simulator.signal_is_torque[k];
+  }
+  std::vector<RunErrors> errors;
+  const auto fail = [&](const Status& status) {
+    for (const std::string& name : estimators) errors.push_back(ErrorsOf(simulator.parameters, Failed(name, status)));
+    return errors;
+  };
+  const Result<PreparedStudy> plain = PrepareStudy(simulator.study, std::move(recordings));
+  if (!plain.ok()) return fail(plain.status());
+  const Result<PreparedStudy> prepared = DeclareEffects(*plain);
+  if (!prepared.ok()) return fail(prepared.status());
+  const Result<EstimatorRunner> runner = EstimatorRunner::Create(&*prepared);
+  if (!runner.ok()) return fail(runner.status());
+  for (const std::string& name : estimators) {
+    const Result<Identification> result = runner->Run(name, options.essential_ratio);
+    errors.push_back(ErrorsOf(simulator.parameters, result.ok() ? result->estimate : Failed(name, result.status())));
+  }
+  return errors;
+}
+
+}  // namespace
+
+bool MonteCarloOptions::IsValid(std::string* error) const {
+  error->clear();
+  if (runs < 2) {
+    *error = "runs = " + std::to_string(runs) + ", must be at least 2";
+  } else if (threads < 1) {
+    *error = "threads = " + std::to_string(threads) + ", must be at least 1";
+  } else if (!(essential_ratio == 0.0 || essential_ratio > 1.0)) {
+    *error = "essential_ratio = " + std::to_string(essential_ratio) + ", must be above 1, or 0";
+  }
+  return error->empty();
+}
+
+Result<MonteCarlo> RunMonteCarlo(const PreparedStudy& prepared, const Estimate& reference,
+                                 const std::vector<std::string>& estimators, const MonteCarloOptions& options,
+                                 const std::function<void(int done)>& progress) {
+  std::string error;
+  if (!options.IsValid(&error)) return Status::BadInput(error);
+  CHECK(!reference.parameters.empty()) << reference.estimator << " has no numbers to simulate from";
+  CHECK_EQ(reference.signal_noise.size(), prepared.study.robot.dof());
+  const Result<Simulator> simulator = MakeSimulator(prepared, reference);
+  if (!simulator.ok()) return simulator.status();
+
+  std::vector<std::vector<RunErrors>> by_estimator(estimators.size(), std::vector<RunErrors>(options.runs));
+  std::atomic<int> next{0};
+  std::mutex mutex;
+  int done = 0;
+  const auto work = [&] {
+    for (int run = next++; run < options.runs; run = next++) {
+      std::vector<RunErrors> errors = OneRun(*simulator, estimators, options, run);
+      for (size_t k = 0; k < estimators.size(); ++k) by_estimator[k][run] = std::move(errors[k]);
+      const std::lock_guard<std::mutex> lock(mutex);
+      ++done;
+      if (progress) progress(done);
+    }
+  };
+  std::vector<std::thread> others;
+  for (int k = 1; k < std::min(options.threads, options.runs); ++k) others.emplace_back(work);
+  work();
+  for (std::thread& thread : others) thread.join();
+
+  MonteCarlo result;
+  result.runs = options.runs;
+  result.seed = options.seed;
+  result.reference = reference.estimator;
+  result.position_noise = simulator->noise.position;
+  result.signal_noise = simulator->noise.signal;
+  for (size_t k = 0; k < estimators.size(); ++k) {
+    result.estimators.push_back(Accumulate(estimators[k], simulator->parameters, by_estimator[k]));
+  }
+  return result;
+}
+
+}  // namespace idim

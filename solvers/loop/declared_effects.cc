@@ -1,0 +1,167 @@
+#include "solvers/loop/declared_effects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/text.h"
+#include "core/model/active_effects.h"
+#include "solvers/bundle/residual_model.h"
+#include "solvers/loop/effect_scan.h"
+
+namespace idim {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// Refit() moves shapes a few times; from a start far off this often again.
+constexpr int kMaxRefits = 4;
+
+struct Declared {
+  ActiveEffect active;
+  bool has_shape = false;  // given, or nothing to give
+};
+
+Result<Declared> Resolve(const PreparedStudy& prepared, const PlacedEffect& declared) {
+  const std::vector<ShapeParameter> shapes = ShapesAlong(prepared, *declared.effect, declared.joints);
+  Declared result{{declared.effect, declared.joints, VectorXd::Zero(static_cast<Index>(shapes.size()))},
+                  shapes.empty() || !declared.shape.empty()};
+  std::vector<std::string> names;
+  for (const ShapeParameter& shape : shapes) names.push_back(shape.name);
+  for (const DeclaredShape& given : declared.shape) {
+    const auto found = std::find(names.begin(), names.end(), given.name);
+    if (found == names.end()) {
+      return Status::BadInput(given.where + ": '" + declared.effect->id() + "' has no such shape parameter; expected " +
+                              (names.empty() ? "none" : Join(names, ", ")));
+    }
+    const ShapeParameter& shape = shapes[static_cast<size_t>(found - names.begin())];
+    if (!(given.value >= shape.lower && given.value <= shape.upper)) {
+      return Status::BadInput(given.where + ": " + FormatNumber(given.value) +
+                              " is outside the limits that the motion of the recordings sets; expected a number from " +
+                              Format("%.4g to %.4g %s", shape.lower, shape.upper, shape.unit.c_str()));
+    }
+    result.active.shape[found - names.begin()] = given.value;
+  }
+  if (!declared.shape.empty() && declared.shape.size() < shapes.size()) {
+    return Status::BadInput(declared.where + ": only some of the shape parameters are given; expected all of " +
+                            Join(names, ", ") + ", or none");
+  }
+  for (const ShapeParameter& shape : shapes) {
+    const std::string name = ShapeParameterName(declared.effect->id(), shape.name, declared.joints);
+    for (const Prior& prior : prepared.study.priors) {
+      if (prior.parameter != name) continue;
+      return Status::BadInput(prior.where + ": '" + name + "' is a shape, which takes no prior; expected its start " +
+                              "value under key 'effects'");
+    }
+  }
+  return result;
+}
+
+// The study's priors but those on parameters of effects that are not in the model yet.
+std::vector<Prior> PriorsWith(const Study& study, const std::vector<PlacedEffect>& placed,
+                              const std::vector<ActiveEffect>& effects) {
+  std::vector<Prior> priors;
+  for (const Prior& prior : study.priors) {
+    bool waits = false;
+    for (const PlacedEffect& declared : placed) {
+      for (const Parameter& parameter : declared.effect->Parameters(study.robot, declared.joints)) {
+        const bool there = std::any_of(effects.begin(), effects.end(), [&](const ActiveEffect& active) {
+          return active.effect == declared.effect && active.joints == declared.joints;
+        });
+        waits |= parameter.name == prior.parameter && !there;
+      }
+    }
+    if (!waits) priors.push_back(prior);
+  }
+  return priors;
+}
+
+// In the study's order, whatever the order in which they are added.
+Result<EffectFit> RefitWith(const EffectFit& from, const Study& study, const std::vector<ActiveEffect>& effects) {
+  EffectFit start = from;
+  const std::vector<PlacedEffect>& placed = from.prepared.declared;
+  start.prepared.study.priors = PriorsWith(study, placed, effects);
+  std::vector<ActiveEffect> sorted;
+  for (const PlacedEffect& declared : placed) {
+    for (const ActiveEffect& active : effects) {
+      if (active.effect == declared.effect && active.joints == declared.joints) sorted.push_back(active);
+    }
+  }
+  return Refit(start, sorted);
+}
+
+Status Name(const std::vector<ActiveEffect>& effects, const Study& study, const Status& status) {
+  if (status.code() == StatusCode::kBadInput) return status;
+  std::vector<std::string> titles;
+  for (const ActiveEffect& active : effects) titles.push_back(EffectTitle(active));
+  return Status::Untrusted(study.path + ": key 'effects': with " + Join(titles, ", ") +
+                           " the model cannot be fitted: " + status.message());
+}
+
+// Those whose shape is known. Where they cannot be fitted together, the first with which it fails is named.
+Result<EffectFit> AddKnown(const EffectFit& from, const Study& study, const std::vector<ActiveEffect>& effects) {
+  Result<EffectFit> together = RefitWith(from, study, effects);
+  if (together.ok() || effects.size() == 1) {
+    return together.ok() ? together : Result<EffectFit>(Name(effects, study, together.status()));
+  }
+  for (const ActiveEffect& one : effects) {
+    const Result<EffectFit> fit = RefitWith(from, study, {one});
+    if (!fit.ok()) return Name({one}, study, fit.status());
+  }
+  return Name(effects, study, together.status());
+}
+
+bool IsSettled(const EffectFit& fit) {
+  for (int k = 0; k < fit.data.num_unknowns(); ++k) {
+    if (fit.data.unknowns[k].kind != ParameterKind::kEffectShape) continue;
+    if (std::abs(fit.summary.values[k]) > kShapeSettled * std::sqrt(fit.summary.covariance(k, k))) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<EffectFit> FitWithDeclaredEffects(const PreparedStudy& prepared) {
+  const Study& study = prepared.study;
+  const std::vector<PlacedEffect>& placed = prepared.declared;
+  std::vector<ActiveEffect> known, to_find;
+  for (const PlacedEffect& declared : placed) {
+    Result<Declared> resolved = Resolve(prepared, declared);
+    if (!resolved.ok()) return resolved.status();
+    (resolved->has_shape ? known : to_find).push_back(std::move(resolved->active));
+  }
+  PreparedStudy without = prepared;
+  without.study.priors = PriorsWith(study, placed, {});
+  Result<EffectFit> fit = FitDeclared(without);
+  if (!fit.ok()) return fit.status();
+  if (!known.empty()) {
+    fit = AddKnown(*fit, study, known);
+    if (!fit.ok()) return fit.status();
+  }
+  for (const ActiveEffect& declared : to_find) {
+    const ResidualModel residual(fit->prepared, fit->data, fit->summary);
+    std::vector<ActiveEffect> effects = fit->prepared.effects;
+    effects.push_back(FindShape(fit->prepared, residual, fit->Arm(), declared));
+    Result<EffectFit> next = RefitWith(*fit, study, effects);
+    if (!next.ok()) return Name({declared}, study, next.status());
+    fit = std::move(next);
+  }
+  for (int k = 0; k < kMaxRefits && !IsSettled(*fit); ++k) {
+    Result<EffectFit> next = RefitWith(*fit, study, fit->prepared.effects);
+    if (!next.ok()) return Name(fit->prepared.effects, study, next.status());
+    fit = std::move(next);
+  }
+  return fit;
+}
+
+Result<PreparedStudy> DeclareEffects(const PreparedStudy& prepared) {
+  if (prepared.study.effects.empty()) return prepared;
+  Result<EffectFit> fit = FitWithDeclaredEffects(prepared);
+  if (!fit.ok()) return fit.status();
+  return std::move(fit->prepared);
+}
+
+}  // namespace idim

@@ -1,0 +1,294 @@
+#include "solvers/loop/effect_scan.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "core/effects/effect_motion.h"
+#include "core/model/active_effects.h"
+
+namespace idim {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Place {
+  const Effect* effect;
+  std::vector<int> joints;
+};
+
+std::vector<Place> Places(const PreparedStudy& prepared, const ScanOptions& options) {
+  std::vector<Place> places;
+  const int n = prepared.study.robot.dof();
+  const auto add = [&](const Effect* effect, const std::vector<int>& joints) {
+    for (const ActiveEffect& active : prepared.effects) {
+      if (active.effect == effect && active.joints == joints) return;
+    }
+    if (!options.only_joints.empty() && joints != options.only_joints) return;
+    places.push_back({effect, joints});
+  };
+  for (const Effect* effect : AllEffects()) {
+    if (effect->in_standard_model()) continue;
+    if (effect->site() == EffectSite::kArm) add(effect, {});
+    for (int a = 0; a < n; ++a) {
+      if (effect->site() == EffectSite::kJoint) add(effect, {a});
+      for (int b = a + 1; b < n && effect->site() == EffectSite::kJointPair; ++b) add(effect, {a, b});
+    }
+  }
+  return places;
+}
+
+// The remainder of an effect's columns at a shape: of the recorded instants, decimated like all columns, or (to look
+// over a grid, fifty times cheaper) straight from the decimated states.
+class Columns {
+ public:
+  Columns(const PreparedStudy& prepared, const ResidualModel& residual, const std::vector<EffectMotion>& motions,
+          const ArmParameters& arm)
+      : prepared_(prepared), residual_(residual) {
+    for (size_t r = 0; r < motions.size(); ++r) {
+      const PreparedRecording& recording = prepared.recordings[r];
+      if (recording.entry.use != Use::kIdentification) continue;
+      recorded_.push_back(motions[r]);
+      decimators_.push_back(&recording.decimator);
+      JointStates states = recording.states;
+      states.t = recording.decimator.times();
+      for (MatrixXd* m : {&states.q, &states.dq, &states.ddq}) *m = recording.decimator.Apply(*m);
+      decimated_.push_back(MakeEffectMotion(prepared.base, states, static_cast<int>(r), prepared.velocity_sigma,
+                                            arm.chi.head(prepared.base.size()), arm.Carried(recording.entry),
+                                            prepared.position_sigma));
+      decimated_.back().derivative_cutoff_hz = motions[r].derivative_cutoff_hz;
+      decimated_.back().torque = recording.decimator.Apply(motions[r].torque);
+    }
+  }
+
+  // Of the recordings for identification.
+  const std::vector<EffectMotion>& motions() const { return recorded_; }
+
+  // Whitened, samples n x parameters.
+  MatrixXd Whitened(const Place& place, const VectorXd& shape, bool recorded) const {
+    const Index parameters = static_cast<Index>(place.effect->Parameters(prepared_.study.robot, place.joints).size());
+    const int n = residual_.dof();
+    std::vector<MatrixXd> torques(static_cast<size_t>(n));
+    for (size_t r = 0; r < recorded_.size(); ++r) {
+      const auto [begin, end] = residual_.recordings()[r];
+      const EffectMotion& motion = recorded ? recorded_[r] : decimated_[r];
+      for (const EffectEntry& entry : place.effect->Columns(motion, place.joints, shape)) {
+        MatrixXd& torque = torques[static_cast<size_t>(entry.joint)];
+        if (torque.size() == 0) torque.setZero(residual_.samples(), parameters);
+        auto to = torque.col(entry.parameter).segment(begin, end - begin);
+        if (recorded) {
+          to += decimators_[r]->Apply(entry.torque).col(0);
+        } else {
+          to += entry.torque;
+        }
+      }
+    }
+    std::vector<int> joints;
+    std::vector<MatrixXd> used;
+    for (int j = 0; j < n; ++j) {
+      if (torques[static_cast<size_t>(j)].size() == 0) continue;
+      joints.push_back(j);
+      used.push_back(std::move(torques[static_cast<size_t>(j)]));
+    }
+    return residual_.Whiten(joints, used);
+  }
+
+ private:
+  const PreparedStudy& prepared_;
+  const ResidualModel& residual_;
+  std::vector<EffectMotion> recorded_, decimated_;
+  std::vector<const Decimator*> decimators_;
+};
+
+// Of white noise one column explains 1 on the average. Less than this is not worth a closer look.
+constexpr double kWorthALook = 8.0;
+
+// The shape of one candidate that explains most.
+class ShapeSearch {
+ public:
+  ShapeSearch(const Place& place, const Columns& columns, const ResidualModel& residual)
+      : place_(place),
+        columns_(columns),
+        residual_(residual),
+        shapes_(place.effect->Shapes(columns.motions(), place.joints)) {}
+
+  // *tried: shapes looked at.
+  EffectCandidate Run(int* tried) {
+    EffectCandidate best;
+    best.effect = {place_.effect, place_.joints, VectorXd(static_cast<Index>(shapes_.size()))};
+    VectorXd& shape = best.effect.shape;
+    for (size_t s = 0; s < shapes_.size(); ++s) {
+      shape[static_cast<Index>(s)] = shapes_[s].grid[shapes_[s].grid.size() / 2];
+    }
+    // One coordinate after the other, from the middle of its grid.
+    double explained = 0.0;
+    for (size_t s = 0; s < shapes_.size(); ++s) {
+      const std::vector<double> over_grid = OverGrid(static_cast<Index>(s), shape);
+      const auto largest = std::max_element(over_grid.begin(), over_grid.end());
+      explained = *largest;
+      shape[static_cast<Index>(s)] = shapes_[s].grid[static_cast<size_t>(largest - over_grid.begin())];
+      *tried += static_cast<int>(over_grid.size());
+    }
+    if (shapes_.empty()) ++*tried;
+    if (shapes_.empty() || explained > kWorthALook) {
+      for (size_t s = 0; s < shapes_.size(); ++s) Refine(static_cast<Index>(s), &shape);
+      const MatrixXd whitened = columns_.Whitened(place_, shape, true);
+      if (Allowed(residual_.Explain(whitened, whitened.cols())[0]) > 0.0) {
+        best.remainder = residual_.Remainder(whitened);
+        best.explained = residual_.Explained(best.remainder);
+      }
+    }
+    best.parameters = static_cast<int>(best.remainder.cols() + static_cast<Index>(shapes_.size()));
+    return best;
+  }
+
+ private:
+  // What it explains, as long as its parameters have the sign that physics allows.
+  double Allowed(const ResidualModel::Explanation& explanation) const {
+    const bool wrong =
+        place_.effect->non_negative() && explanation.step.size() > 0 && explanation.step.minCoeff() < 0.0;
+    return wrong ? 0.0 : explanation.explained;
+  }
+
+  // At each value on the grid of shape s, the others as they are; by decimated states.
+  std::vector<double> OverGrid(Index s, VectorXd shape) const {
+    constexpr size_t kAtOnce = 16;
+    const std::vector<double>& grid = shapes_[static_cast<size_t>(s)].grid;
+    std::vector<double> explained;
+    for (size_t first = 0; first < grid.size(); first += kAtOnce) {
+      const size_t count = std::min(kAtOnce, grid.size() - first);
+      MatrixXd all;
+      Index width = 0;
+      for (size_t k = 0; k < count; ++k) {
+        shape[s] = grid[first + k];
+        const MatrixXd whitened = columns_.Whitened(place_, shape, false);
+        if (k == 0) {
+          width = whitened.cols();
+          all.resize(whitened.rows(), width * static_cast<Index>(count));
+        }
+        all.middleCols(static_cast<Index>(k) * width, width) = whitened;
+      }
+      for (const ResidualModel::Explanation& explanation : residual_.Explain(all, width)) {
+        explained.push_back(Allowed(explanation));
+      }
+    }
+    return explained;
+  }
+
+  double Explained(const VectorXd& shape) const {
+    const MatrixXd whitened = columns_.Whitened(place_, shape, true);
+    return Allowed(residual_.Explain(whitened, whitened.cols())[0]);
+  }
+
+  // Golden section between the neighbours on the grid.
+  void Refine(Index s, VectorXd* shape) const {
+    constexpr double kGolden = 0.6180339887498949;
+    constexpr int kRefinements = 6;
+    const std::vector<double>& grid = shapes_[static_cast<size_t>(s)].grid;
+    const size_t point = static_cast<size_t>(std::lower_bound(grid.begin(), grid.end(), (*shape)[s]) - grid.begin());
+    const ShapeParameter& parameter = shapes_[static_cast<size_t>(s)];
+    double low = parameter.Within((*shape)[s], grid[point > 0 ? point - 1 : point]);
+    double high = parameter.Within((*shape)[s], grid[point + 1 < grid.size() ? point + 1 : point]);
+    if (!(high > low)) return;
+    VectorXd trial = *shape;
+    double best = Explained(trial);
+    const auto at = [&](double value) {
+      trial[s] = value;
+      const double explained = Explained(trial);
+      if (explained > best) {
+        best = explained;
+        (*shape)[s] = value;
+      }
+      return explained;
+    };
+    double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
+    double f_left = at(left), f_right = at(right);
+    for (int k = 0; k < kRefinements; ++k) {
+      if (f_left > f_right) {
+        high = right, right = left, f_right = f_left;
+        left = high - kGolden * (high - low);
+        f_left = at(left);
+      } else {
+        low = left, left = right, f_left = f_right;
+        right = low + kGolden * (high - low);
+        f_right = at(right);
+      }
+    }
+  }
+
+  const Place& place_;
+  const Columns& columns_;
+  const ResidualModel& residual_;
+  std::vector<ShapeParameter> shapes_;
+};
+
+void SetHeldOut(const ResidualModel& residual, const MatrixXd& before, EffectCandidate* candidate) {
+  const MatrixXd after = residual.CrossValidate(candidate->remainder).squares;
+  candidate->held_out_gain = (before - after).rowwise().sum();
+  double squares = before.sum();
+  if (candidate->effect.joints.size() == 1) squares = before.col(candidate->effect.joints[0]).sum();
+  candidate->held_out_decrease = candidate->held_out_gain.sum() / squares;
+  candidate->held_out_error = StandardErrorOfSum(candidate->held_out_gain) / squares;
+}
+
+}  // namespace
+
+EffectScan ScanEffects(const PreparedStudy& prepared, const ResidualModel& residual, const ArmParameters& arm,
+                       const ScanOptions& options) {
+  const std::vector<EffectMotion> motions = MotionsOf(prepared, arm);
+  const std::vector<Place> places = Places(prepared, options);
+  const Columns columns(prepared, residual, motions, arm);
+  std::vector<EffectCandidate> all(places.size());
+  std::vector<int> tried(places.size(), 0);
+  std::atomic<size_t> next{0};
+  size_t done = 0;
+  std::mutex mutex;
+  const auto work = [&] {
+    for (size_t k = next++; k < places.size(); k = next++) {
+      all[k] = ShapeSearch(places[k], columns, residual).Run(&tried[k]);
+      if (all[k].remainder.cols() > 0) all[k].score = residual.Test(all[k].remainder);
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (options.progress) {
+        options.progress(std::to_string(++done) + " of " + std::to_string(places.size()) + " candidates");
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+
+  EffectScan scan;
+  for (const int count : tried) scan.tried += count;
+  const MatrixXd before = residual.CrossValidate(MatrixXd(residual.residual().size(), 0)).squares;
+  std::map<const Effect*, int> places_of;
+  for (const Place& place : places) ++places_of[place.effect];
+  for (size_t k = 0; k < all.size(); ++k) {
+    EffectCandidate& candidate = all[k];
+    const double tries = static_cast<double>(places_of.size()) * places_of[places[k].effect] * std::max(tried[k], 1);
+    candidate.p_value = std::min(1.0, candidate.score.p_value * tries);
+    if (candidate.remainder.cols() == 0 || candidate.p_value > options.significance) continue;
+    SetHeldOut(residual, before, &candidate);
+    scan.candidates.push_back(std::move(candidate));
+  }
+  std::stable_sort(
+      scan.candidates.begin(), scan.candidates.end(),
+      [](const EffectCandidate& a, const EffectCandidate& b) { return a.held_out_gain.sum() > b.held_out_gain.sum(); });
+  return scan;
+}
+
+ActiveEffect FindShape(const PreparedStudy& prepared, const ResidualModel& residual, const ArmParameters& arm,
+                       const ActiveEffect& effect) {
+  const std::vector<EffectMotion> motions = MotionsOf(prepared, arm);
+  const Columns columns(prepared, residual, motions, arm);
+  const Place place = {effect.effect, effect.joints};
+  int tried = 0;
+  return ShapeSearch(place, columns, residual).Run(&tried).effect;
+}
+
+}  // namespace idim

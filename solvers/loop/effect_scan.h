@@ -1,0 +1,61 @@
+// Which effect would explain what a fitted model leaves, and on which joint: all candidates side by side.
+//
+// A candidate is an effect at its place (a joint, two joints, the arm) with its best shape: the grid of the effect,
+// then golden section between the neighbours of its best point, by the squares that the columns explain beyond all that
+// is in the model already (solvers/bundle/residual_model.h). The level is shared
+// equally between the effects, then between the places of an effect, then between the shapes tried at a place
+// (Bonferroni): the many orders of a ripple do not hide a spring.
+//
+// Held out: relative decrease of the squared whitened residual on rows not fitted, of the joints where the effect acts
+// (all for an effect of the arm or of two joints), and its standard error from the folds.
+
+#ifndef IDIM_SOLVERS_LOOP_EFFECT_SCAN_H_
+#define IDIM_SOLVERS_LOOP_EFFECT_SCAN_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/effects/effect.h"
+#include "core/model/prediction.h"
+#include "core/model/prepared_study.h"
+#include "solvers/bundle/residual_model.h"
+
+namespace idim {
+
+struct EffectCandidate {
+  ActiveEffect effect;  // at its best shape
+  int parameters = 0;   // linear ones that the model cannot imitate, and shape parameters
+  double explained = 0.0;
+  ResidualModel::Score score;
+  double p_value = 1.0;            // of the score, corrected for all that is tried, at most 1
+  Eigen::VectorXd held_out_gain;   // folds: decrease of the squared residual of all joints
+  double held_out_decrease = 0.0;  // its sum over the squares of the effect's joints
+  double held_out_error = 0.0;     // standard error of held_out_decrease, from the folds
+  Eigen::MatrixXd remainder;       // of its columns, samples n x parameters
+};
+
+struct ScanOptions {
+  double significance = 0.05;    // candidates above this corrected p-value are not cross-validated, in (0, 1)
+  std::vector<int> only_joints;  // where not empty: candidates at this place alone
+  int threads = 1;               // >= 1; the result does not depend on it
+  std::function<void(const std::string&)> progress;  // may be empty; called from one thread at a time
+};
+
+struct EffectScan {
+  // Those with a p-value below `significance`, by decreasing held_out_gain; ties by id and joints.
+  std::vector<EffectCandidate> candidates;
+  int tried = 0;  // shapes of all candidates
+};
+
+// Candidates at every place but those of prepared.effects and declared friction. arm: as fitted, effects included.
+EffectScan ScanEffects(const PreparedStudy& prepared, const ResidualModel& residual, const ArmParameters& arm,
+                       const ScanOptions& options);
+
+// The effect at the shape that explains most of what the model leaves; its own shape is not looked at.
+ActiveEffect FindShape(const PreparedStudy& prepared, const ResidualModel& residual, const ArmParameters& arm,
+                       const ActiveEffect& effect);
+
+}  // namespace idim
+
+#endif  // IDIM_SOLVERS_LOOP_EFFECT_SCAN_H_

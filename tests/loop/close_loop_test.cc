@@ -1,0 +1,95 @@
+// The loop on a simulated arm of three joints whose undeclared effects come by the simulator's own route.
+
+#include "solvers/loop/close_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "core/model/active_effects.h"
+#include "tests/support/simulated_study.h"
+
+namespace idim::testing {
+namespace {
+
+PreparedStudy StudyWith(const std::string& effects) {
+  SimulatedStudy study;
+  if (!effects.empty()) {
+    ReplaceOnce("recordings:\n", "effects:\n" + effects + "recordings:\n", &study.scenario_text);
+  }
+  study.Simulate();
+  return study.Prepare();
+}
+
+LoopResult Close(const PreparedStudy& prepared, int threads = 1) {
+  LoopOptions options;
+  options.threads = threads;
+  Result<LoopResult> result = CloseLoop(prepared, options);
+  if (!result.ok()) throw std::runtime_error(result.status().message());
+  EXPECT_TRUE(result->status.ok()) << result->status.message();
+  return std::move(result).value();
+}
+
+std::set<std::string> Titles(const LoopResult& result) {
+  std::set<std::string> titles;
+  for (const ActiveEffect& effect : result.prepared.effects) titles.insert(EffectTitle(effect));
+  return titles;
+}
+
+using Names = std::set<std::string>;
+
+TEST(CloseLoop, StaysSilentWhereNothingIsMissing) {
+  const LoopResult result = Close(StudyWith(""));
+  EXPECT_EQ(Titles(result), Names());
+  EXPECT_TRUE(result.steps.empty());
+  EXPECT_TRUE(result.unexplained.empty());
+  EXPECT_EQ(result.final.validation, result.declared.validation);
+}
+
+TEST(CloseLoop, FindsOneEffectWithItsShape) {
+  const LoopResult result = Close(StudyWith("  - {id: power_viscous, joints: [2], coefficient: 4.0, exponent: 0.4}\n"));
+  ASSERT_EQ(Titles(result), Names({"power_viscous on joint 2"}));
+  ASSERT_EQ(result.steps.size(), 1u);
+  const LoopStep& step = result.steps[0];
+  EXPECT_LT(step.candidate.p_value, 0.01);
+  EXPECT_LT(result.final.validation_per_joint[1], 0.8 * result.declared.validation_per_joint[1]);
+  // Other joints neither gain nor lose.
+  EXPECT_NEAR(result.final.validation_per_joint[2], result.declared.validation_per_joint[2],
+              0.05 * result.declared.validation_per_joint[2]);
+  // The value and the exponent within 4.5 of their standard deviations, and these say something.
+  int seen = 0;
+  for (const ParameterEstimate& p : result.after.estimate.parameters) {
+    const double truth = p.parameter.name == "Fp2" ? 4.0 : p.parameter.name == "power_viscous_a_2" ? 0.4 : NAN;
+    if (std::isnan(truth)) continue;
+    ++seen;
+    EXPECT_NEAR(p.value, truth, 4.5 * p.standard_deviation) << p.parameter.name;
+    EXPECT_LT(p.standard_deviation, 0.3 * truth) << p.parameter.name;
+    EXPECT_LT(p.interval95[0], truth + 3.0 * p.standard_deviation);
+    EXPECT_GT(p.interval95[1], truth - 3.0 * p.standard_deviation);
+  }
+  EXPECT_EQ(seen, 2);
+}
+
+TEST(CloseLoop, FindsTwoEffectsWhateverTheThreads) {
+  const PreparedStudy prepared = StudyWith(
+      "  - {id: torque_ripple, joints: [3], amplitude: 0.4, order: 11, phase: 0.5}\n"
+      "  - {id: joint_spring, joints: [1], stiffness: 2.0, rest: 0.3}\n");
+  const LoopResult one = Close(prepared, 1), two = Close(prepared, 2);
+  EXPECT_EQ(Titles(one), Names({"torque_ripple on joint 3", "joint_spring on joint 1"}));
+  EXPECT_EQ(Titles(two), Titles(one));
+  EXPECT_EQ(two.final.validation, one.final.validation);
+  EXPECT_LT(one.final.validation, one.declared.validation);
+}
+
+TEST(LoopOptions, NameWhatIsWrong) {
+  std::string error;
+  LoopOptions options;
+  EXPECT_TRUE(options.IsValid(&error));
+  options.margin = 0.0;
+  EXPECT_FALSE(options.IsValid(&error));
+  EXPECT_NE(error.find("margin is 0"), std::string::npos) << error;
+}
+
+}  // namespace
+}  // namespace idim::testing

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/base/yaml.h"
 #include "core/robot/robot_reader.h"

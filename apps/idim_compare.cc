@@ -70,7 +70,7 @@ Status Simulate(const idim::PreparedStudy& prepared, idim::Progress* progress, i
   options.essential_ratio = FLAGS_r_sigma;
   const std::string of_all = " of " + std::to_string(options.runs);
   idim::Result<idim::MonteCarlo> monte_carlo =
-      RunMonteCarlo(prepared, *reference, idim::EstimatorNames(prepared.study.gains_mode), options,
+      RunMonteCarlo(prepared, *reference, idim::EstimatorNames(prepared.model.gains_mode), options,
                     [&](int done) { progress->At("run " + std::to_string(done) + of_all); });
   if (!monte_carlo.ok()) return monte_carlo.status();
   comparison->monte_carlo = std::move(monte_carlo).value();

@@ -115,23 +115,20 @@ Problem MakeProblem(const std::string& arm, double joint_noise) {
 
   idim::BundleData& data = problem.data;
   data.dof = n;
-  data.num_base = problem.base.size();
-  for (int j = 0; j < n; ++j) {
-    data.unknowns.push_back({"g" + std::to_string(j + 1), idim::ParameterKind::kDriveGain, j + 1, ""});
-  }
-  for (const idim::Parameter& parameter : problem.base.parameters()) data.unknowns.push_back(parameter);
-  data.inverse_drive.setIdentity(n, n);
-  data.payload_of_recording = {-1, 0};
-  data.known_payload = {idim::InertialVector::Zero()};
-  data.known_payload[0][idim::kM] = problem.payload[idim::kM];
-  data.payload_columns.emplace_back();
-  data.payload_columns[0].fill(-1);
+  idim::Model supposed;
+  supposed.base_parameters = std::make_shared<const idim::BaseParameters>(problem.base);
+  supposed.gains_mode = idim::GainsMode::kIdentify;
+  supposed.roles = {{idim::Use::kIdentification, -1}, {idim::Use::kIdentification, 0}};
+  supposed.payloads.resize(1);
   for (int k = 0; k < idim::kNumInertial; ++k) {
     const bool has_effect = arm == "6r" || k == idim::kZZ || k == idim::kMX || k == idim::kMY;
-    if (!has_effect || k == idim::kM) continue;
-    data.payload_columns[0][k] = data.num_columns();
-    data.unknowns.push_back({idim::kStandardNames[k] + std::string("P"), idim::ParameterKind::kPayload, n, ""});
+    if (!has_effect) supposed.payloads[0].known[k] = 0.0;
   }
+  supposed.payloads[0].known[idim::kM] = problem.payload[idim::kM];
+  supposed.columns = std::make_shared<const idim::EffectColumns>(idim::EffectColumns{{}, {{}, {}}});
+  data.unknowns = idim::Unknowns(supposed, idim::UncertainPayload::kExact);
+  data.inverse_drive.setIdentity(n, n);
+  data.payload_of_recording = {-1, 0};
   // Encoders of 2e-5 rad, filtered and decimated: position and acceleration of the same samples are correlated.
   const Eigen::Vector3d deviation(joint_noise * 2e-5, joint_noise * 1.5e-3, joint_noise * 0.7);
   Eigen::Matrix3d correlation = Eigen::Matrix3d::Identity();
@@ -141,9 +138,9 @@ Problem MakeProblem(const std::string& arm, double joint_noise) {
 
   problem.truth.resize(data.num_unknowns());
   for (int j = 0; j < n; ++j) problem.truth[j] = (j % 2 == 0 ? 30.0 : -20.0) / (1.0 + 0.5 * j);
-  problem.truth.segment(n, data.num_base) = problem.base.projection() * problem.standard;
+  problem.truth.segment(n, problem.base.size()) = problem.base.projection() * problem.standard;
   for (int k = 0; k < idim::kNumInertial; ++k) {
-    if (const int column = data.payload_columns[0][k]; column >= 0) problem.truth[n + column] = problem.payload[k];
+    if (const int unknown = data.unknowns.payload(0, k); unknown >= 0) problem.truth[unknown] = problem.payload[k];
   }
   return problem;
 }
@@ -191,7 +188,8 @@ void Write() {
   json["arm"] = FLAGS_arm;
   json["samples"] = FLAGS_samples;
   json["joint_noise"] = FLAGS_joint_noise;
-  for (const idim::Parameter& parameter : problem.data.unknowns) json["unknowns"].push_back(parameter.name);
+  for (const idim::Parameter& parameter : problem.data.unknowns.parameters())
+    json["unknowns"].push_back(parameter.name);
   json["truth"] = Numbers(problem.truth);
   json["start"] = Numbers(start);
   json["sigma"] = Numbers(sigma);
@@ -210,7 +208,8 @@ void ReadSamples(int samples, Problem* problem) {
   std::ifstream file(FLAGS_data + ".bin", std::ios::binary);
   VectorXd row(4 * n);
   RowMajorMatrix w(n, model.columns()), payload(n, idim::kNumInertial);
-  data.samples.reserve(samples);
+  std::vector<idim::BundleSample> all;
+  all.reserve(samples);
   for (int k = 0; k < samples; ++k) {
     CHECK(file.read(reinterpret_cast<char*>(row.data()), static_cast<std::streamsize>(sizeof(double)) * row.size()))
         << FLAGS_data << ".bin is too short";
@@ -220,17 +219,18 @@ void ReadSamples(int samples, Problem* problem) {
     sample.signal = row.tail(n);
     model.Regressor(row.data(), row.data() + n, row.data() + 2 * n, nullptr, w.data());
     sample.columns.setZero(n, data.num_columns());
-    for (int c = 0; c < data.num_base; ++c) sample.columns.col(c) = w.col(problem->base.kept()[c]);
+    for (int c = 0; c < problem->base.size(); ++c) sample.columns.col(c) = w.col(problem->base.kept()[c]);
     sample.known.setZero(n);
     if (sample.recording == 1) {
       model.PayloadColumns(payload.data());
-      sample.known = payload * data.known_payload[0];
+      sample.known = payload * data.unknowns.known_payload(0);
       for (int c = 0; c < idim::kNumInertial; ++c) {
-        if (const int column = data.payload_columns[0][c]; column >= 0) sample.columns.col(column) = payload.col(c);
+        if (const int column = data.payload_column(0, c); column >= 0) sample.columns.col(column) = payload.col(c);
       }
     }
-    data.samples.push_back(std::move(sample));
+    all.push_back(std::move(sample));
   }
+  data.SetSamples(std::move(all));
 }
 
 // (v - diag(1/g) (W + sum_s d_s W_s) (chi; 1)) / sigma of N joints and C columns, W_s the derivative by state s.
@@ -299,13 +299,13 @@ Solution SolveCeres(const Problem& problem, const VectorXd& start, const VectorX
   MatrixXd of_known;
   RowMajorMatrix change;
   VectorXd theta = start;
-  RowMajorMatrix deviations = RowMajorMatrix::Zero(data.samples.size(), 3 * N);
+  RowMajorMatrix deviations = RowMajorMatrix::Zero(data.samples().size(), 3 * N);
   ceres::Problem least_squares;
   const MatrixXd covariance = idim::StateCovarianceOf(data, 0);
   const Eigen::Matrix<double, 3 * N, 3 * N> whitening =
       covariance.llt().matrixL().solve(MatrixXd::Identity(3 * N, 3 * N));
-  for (std::size_t k = 0; k < data.samples.size(); ++k) {
-    const idim::BundleSample& sample = data.samples[k];
+  for (std::size_t k = 0; k < data.samples().size(); ++k) {
+    const idim::BundleSample& sample = data.samples()[k];
     auto* torque = new TorqueFunctor<N, C>;
     torque->columns << sample.columns, sample.known;
     derivatives.Torque(sample, VectorXd::Zero(C), &of_known);

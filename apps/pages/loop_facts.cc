@@ -26,14 +26,13 @@ std::vector<NamedShape> ShapesOf(const LoopResult& result, const ActiveEffect& a
 }
 
 std::vector<ParameterEstimate> ParametersOf(const LoopResult& result, const ActiveEffect& active) {
-  const PreparedStudy& prepared = result.prepared;
-  const std::vector<int> first = FirstParameters(prepared);
+  const Model& model = result.prepared.model;
+  const Unknowns unknowns(model, UncertainPayload::kExact);
   std::vector<ParameterEstimate> found;
-  for (size_t k = 0; k < prepared.effects.size(); ++k) {
-    if (!SameEffect(prepared.effects[k], active)) continue;
-    for (int p = first[k]; p < first[k + 1]; ++p) {
-      const auto index = static_cast<size_t>(p);
-      const ParameterEstimate* estimate = result.after.estimate.Find(prepared.effect_parameters[index].name);
+  for (size_t e = 0; e < model.effects.size(); ++e) {
+    if (!SameEffect(model.effects[e], active)) continue;
+    for (int k = unknowns.effect(e).at; k < unknowns.effect(e).end(); ++k) {
+      const ParameterEstimate* estimate = result.after.estimate.Find(unknowns[k].name);
       if (estimate != nullptr) found.push_back(*estimate);
     }
   }

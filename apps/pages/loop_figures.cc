@@ -19,7 +19,7 @@ struct Units {
   std::string torque, position;
 };
 Units UnitsOf(const LoopResult& result, Index joint) {
-  const bool prismatic = result.prepared.study.robot.joints[static_cast<size_t>(joint)].type == JointType::kPrismatic;
+  const bool prismatic = result.prepared.robot().joints[static_cast<size_t>(joint)].type == JointType::kPrismatic;
   return prismatic ? Units{"N", "m"} : Units{"N m", "rad"};
 }
 
@@ -47,7 +47,7 @@ Section Residuals(const LoopResult& result, bool over_velocity) {
   FigureGrid grid;
   const auto& before = result.before.series;
   const auto& after = result.after.series;
-  for (Index j = 0; j < result.prepared.study.robot.dof(); ++j) {
+  for (Index j = 0; j < result.prepared.robot().dof(); ++j) {
     const Units units = UnitsOf(result, j);
     ScatterFigure figure;
     figure.title = JointTitle(j);
@@ -71,7 +71,7 @@ Section ResidualsOverTime(const LoopResult& result, size_t recording) {
   Section section;
   section.title = "Residual over time in " + after.name + " (" + after.use + ")";
   FigureGrid grid;
-  for (Index j = 0; j < result.prepared.study.robot.dof(); ++j) {
+  for (Index j = 0; j < result.prepared.robot().dof(); ++j) {
     TimeFigure figure;
     figure.title = JointTitle(j);
     figure.y_title = "residual [" + UnitsOf(result, j).torque + "]";

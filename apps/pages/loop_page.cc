@@ -295,7 +295,7 @@ Section Left(const LoopResult& result) {
 
 std::string RenderLoopReport(const LoopResult& result) {
   Report report;
-  report.title = result.prepared.study.robot.name;
+  report.title = result.prepared.robot().name;
   report.subtitle = "What the declared model lacks";
   report.sections.push_back(Summary(result));
   if (result.before.series.empty()) return RenderReport(report);

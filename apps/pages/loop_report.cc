@@ -190,7 +190,7 @@ std::string LoopToJson(const LoopResult& result) {
   json["schema"] = "idim.loop.1";
   json["status"] = status.ok() ? "ok" : "untrusted";
   json["message"] = status.message();
-  json["robot"] = result.prepared.study.robot.name;
+  json["robot"] = result.prepared.robot().name;
   json["options"] = {{"significance", result.given.significance},
                      {"margin", result.given.margin},
                      {"max_effects", result.given.max_effects}};
@@ -222,7 +222,7 @@ std::string LoopToJson(const LoopResult& result) {
 }
 
 std::string LoopToText(const LoopResult& result) {
-  std::string text = result.prepared.study.robot.name + ", what the declared model lacks\n\n";
+  std::string text = result.prepared.robot().name + ", what the declared model lacks\n\n";
   if (const Status status = StatusOf(result); !status.ok()) {
     text += "NOT TO BE TRUSTED: " + status.message() + "\n\n";
   }

@@ -324,7 +324,7 @@ std::string RenderPaperPage(const PaperStudy& paper, const std::vector<Variant>&
   text +=
       "\n# The tables\n\nWritten by `scripts/run_paper_study.sh` from `scenario.yaml` (seeds there) and `paper/`; a "
       "test writes them again and compares. Filter: " +
-      paper.prepared.preprocessing.reason + ". r_σ = " + Format("%.0f", kPaperRatio) +
+      paper.prepared.data->preprocessing.reason + ". r_σ = " + Format("%.0f", kPaperRatio) +
       ". \"–\": eliminated as not essential, or not printed in the paper.\n\n";
   text += Heading("Table I: essential parameters, IDIM-WLS (cases 1 and 2)") +
           ParameterTable(paper, tables.table_1, kCase1, kCase2, tables.relative_error);

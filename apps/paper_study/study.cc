@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/model/active_effects.h"
 #include "solvers/estimators/estimators.h"
 #include "solvers/linear/gain_system.h"
 
@@ -48,7 +49,7 @@ Result<PaperCase> RunCase(const PaperStudy& paper, const Spec& spec, double r_si
   result.told = spec.told;
   PreparedStudy fit = AsTold(paper.prepared, paper.scenario, spec.told, true);
   // The manufacturer's gains are taken for true, as in the paper: a classical identification with a payload.
-  if (spec.told == Told::kNothing) fit.study.gains_mode = GainsMode::kKnown;
+  if (spec.told == Told::kNothing) fit.model.gains_mode = GainsMode::kKnown;
   const Result<EstimatorRunner> runner = EstimatorRunner::Create(&fit);
   if (!runner.ok()) return runner.status();
   Result<Identification> identification = runner->Run(spec.estimator, r_sigma);
@@ -56,7 +57,7 @@ Result<PaperCase> RunCase(const PaperStudy& paper, const Spec& spec, double r_si
   result.estimate = std::move(identification->estimate);
   if (result.estimate.parameters.empty()) return result.estimate.status;
   PreparedStudy judge = AsTold(paper.prepared, paper.scenario, spec.told, false);
-  if (spec.told == Told::kNothing) judge.study.gains_mode = GainsMode::kKnown;
+  if (spec.told == Told::kNothing) judge.model.gains_mode = GainsMode::kKnown;
   Result<Validation> validation = Validate(judge, ReferenceOf(spec.name, result.estimate));
   if (!validation.ok()) return validation.status();
   result.validation = std::move(validation).value();
@@ -67,18 +68,16 @@ Result<PaperCase> RunCase(const PaperStudy& paper, const Spec& spec, double r_si
 
 PreparedStudy AsTold(const PreparedStudy& prepared, const Scenario& scenario, Told told, bool identification_only) {
   PreparedStudy result = prepared;
+  if (identification_only) {
+    const std::vector<int> used = prepared.model.RecordingsFor(Use::kIdentification);
+    std::vector<RecordingRole> roles;
+    for (const int r : used) roles.push_back(prepared.model.roles[static_cast<size_t>(r)]);
+    result = {SomeRecordings(*prepared.data, used), ForRecordings(prepared.model, used, roles)};
+  }
   for (int k = 0; k < kNumInertial; ++k) {
     const bool known = told == Told::kTen || (told == Told::kMass && k == kM);
-    result.study.payloads[0].known[k].reset();
-    if (known) result.study.payloads[0].known[k] = scenario.payloads[0].inertial[k];
-  }
-  if (!identification_only) return result;
-  result.study.recordings.clear();
-  result.recordings.clear();
-  for (const PreparedRecording& recording : prepared.recordings) {
-    if (recording.entry.use != Use::kIdentification) continue;
-    result.study.recordings.push_back(recording.entry);
-    result.recordings.push_back(recording);
+    result.model.payloads[0].known[k].reset();
+    if (known) result.model.payloads[0].known[k] = scenario.payloads[0].inertial[k];
   }
   return result;
 }
@@ -94,7 +93,7 @@ Result<PaperStudy> RunPaperStudy(const Scenario& scenario, double r_sigma) {
   }
   Result<PreparedStudy> prepared = PrepareStudy(StudyOf(scenario), std::move(recordings));
   if (!prepared.ok()) return prepared.status();
-  Reference truth = TruthOf(scenario, prepared->base);
+  Reference truth = TruthOf(scenario, prepared->base());
   PaperStudy paper{scenario, std::move(prepared).value(), std::move(truth), {}};
   for (const Spec& spec : kSpecs) {
     Result<PaperCase> result = RunCase(paper, spec, r_sigma);

@@ -12,7 +12,7 @@
 
 #include "core/base/status.h"
 #include "core/estimate/estimate.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "core/simulation/scenario.h"
 #include "core/simulation/simulate_scenario.h"
 #include "solvers/judge/validation.h"

@@ -187,11 +187,11 @@ Result<Variant> RunVariant(const PaperStudy& paper, const VariantOptions& option
   std::vector<MatrixXd> errors(kCount, MatrixXd(draws, n));
   std::vector<double> residuals(kCount, 0.0);
   Study study = StudyOf(scenario);
-  study.preprocessing.cutoff_hz = paper.prepared.preprocessing.cutoff_hz;
-  study.preprocessing.decimation = paper.prepared.preprocessing.decimation;
+  study.preprocessing.cutoff_hz = paper.prepared.data->preprocessing.cutoff_hz;
+  study.preprocessing.decimation = paper.prepared.data->preprocessing.decimation;
   for (int draw = 0; draw < draws; ++draw) {
-    Result<std::vector<Recording>> logs =
-        Logs(scenario, recordings, truths, paper.prepared.preprocessing, options, static_cast<std::uint64_t>(draw));
+    Result<std::vector<Recording>> logs = Logs(scenario, recordings, truths, paper.prepared.data->preprocessing,
+                                               options, static_cast<std::uint64_t>(draw));
     if (!logs.ok()) return logs.status();
     const Result<PreparedStudy> prepared = PrepareStudy(study, std::move(logs).value());
     if (!prepared.ok()) return prepared.status();

@@ -228,7 +228,7 @@ ActiveEffect ToldOf(const SimulatedEffect& effect, const PreparedStudy& prepared
                                                                       {"torque_ripple", {"order", 1.0}},
                                                                       {"backlash", {"gap", 0.5}}};
   if (effect.id == "payload_change") {
-    const int r = prepared.recordings[0].entry.name == effect.recording ? 0 : 1;
+    const int r = prepared.data->recordings[0].entry.name == effect.recording ? 0 : 1;
     told.shape[0] = r + effect.Value("from") / FLAGS_duration;
   } else if (!shapes.empty()) {
     const auto& [key, factor] = keys.at(effect.id);
@@ -257,7 +257,7 @@ struct HeldOut {
 };
 
 HeldOut HeldOutOf(const EffectFit& fit) {
-  const ResidualModel model(fit.prepared, fit.data, fit.summary);
+  const ResidualModel model(fit.prepared.base(), fit.data, fit.summary);
   return {model.CrossValidate(Eigen::MatrixXd(model.residual().size(), 0)).residual, model.torque()};
 }
 
@@ -300,7 +300,7 @@ Result<PreparedStudy> Log(const Scenario& scenario) {
   }
   Result<PreparedStudy> prepared = PrepareStudy(study, std::move(logs));
   // As the loop does it, so that the model that knows the truth is fitted to the same velocities.
-  if (prepared.ok()) SetVelocityZeroAtRest(&*prepared);
+  if (prepared.ok()) prepared->data = WithVelocityZeroAtRest(*prepared->data);
   return prepared;
 }
 
@@ -348,7 +348,7 @@ Case Run(int number) {
   const Result<LoopResult> loop = CloseLoop(*prepared, options);
   if (!loop.ok() || !loop->status.ok()) {
     result.problem = loop.ok() ? loop->status.message() : loop.status().message();
-    if (!loop.ok() || loop->prepared.effects.empty()) return result;
+    if (!loop.ok() || loop->prepared.model.effects.empty()) return result;
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   result.before = loop->declared.validation;
@@ -358,7 +358,7 @@ Case Run(int number) {
     result.unexplained.push_back(
         Format("joint %d by %s (%.1f %%)", u.joint + 1, Join(u.depends_on, " and ").c_str(), u.share_percent));
   }
-  for (const ActiveEffect& active : loop->prepared.effects) {
+  for (const ActiveEffect& active : loop->prepared.model.effects) {
     const std::string title = EffectTitle(active);
     bool planted = false;
     for (Planted& p : result.planted) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/effects/effect_motion.h"
 
@@ -11,10 +12,6 @@ namespace idim {
 namespace {
 
 using Eigen::VectorXd;
-
-int LinearCount(const PreparedStudy& prepared, const ActiveEffect& active) {
-  return static_cast<int>(active.effect->Parameters(prepared.study.robot, active.joints).size());
-}
 
 // Central difference, within the limits, by a small part of the shape.
 void AddSensitivity(const ActiveEffect& active, const ShapeParameter& shape, int k, const EffectMotion& motion,
@@ -47,40 +44,40 @@ std::string EffectTitle(const ActiveEffect& active) {
 bool SameEffect(const ActiveEffect& a, const ActiveEffect& b) { return a.effect == b.effect && a.joints == b.joints; }
 
 std::vector<EffectMotion> MotionsOf(const PreparedStudy& prepared, const ArmParameters& arm) {
+  const Data& data = *prepared.data;
   std::vector<EffectMotion> motions;
-  const int base = prepared.base.size();
-  for (size_t r = 0; r < prepared.recordings.size(); ++r) {
-    const PreparedRecording& recording = prepared.recordings[r];
-    motions.push_back(MakeEffectMotion(prepared.base, recording.states, static_cast<int>(r), prepared.velocity_sigma,
-                                       arm.chi.head(base), arm.Carried(recording.entry), prepared.position_sigma));
-    motions.back().derivative_cutoff_hz = kDerivativeBand * prepared.preprocessing.cutoff_hz;
-    for (const EffectEntry& entry : recording.effects) {
+  const int base = prepared.base().size();
+  for (size_t r = 0; r < data.recordings.size(); ++r) {
+    motions.push_back(MakeEffectMotion(prepared.base(), *data.recordings[r].states, static_cast<int>(r),
+                                       data.velocity_sigma, arm.chi.head(base), arm.Carried(prepared.model.roles[r]),
+                                       data.position_sigma));
+    motions.back().derivative_cutoff_hz = kDerivativeBand * data.preprocessing.cutoff_hz;
+    for (const EffectEntry& entry : prepared.model.columns->of_recording[r]) {
       motions.back().torque.col(entry.joint) += arm.chi[base + entry.parameter] * entry.torque;
     }
   }
   return motions;
 }
 
-void SetEffects(const std::vector<ActiveEffect>& effects, const std::vector<EffectMotion>& motions,
-                PreparedStudy* prepared) {
-  CHECK_EQ(motions.size(), prepared->recordings.size());
-  prepared->effects = effects;
-  prepared->effect_parameters.clear();
-  for (PreparedRecording& recording : prepared->recordings) recording.effects.clear();
+Model WithEffects(const PreparedStudy& prepared, const std::vector<ActiveEffect>& effects,
+                  const std::vector<EffectMotion>& motions) {
+  CHECK_EQ(motions.size(), prepared.data->recordings.size());
+  EffectColumns columns;
+  columns.of_recording.resize(motions.size());
   for (const ActiveEffect& active : effects) {
-    const int first = static_cast<int>(prepared->effect_parameters.size());
-    const std::vector<Parameter> linear = active.effect->Parameters(prepared->study.robot, active.joints);
+    const int first = static_cast<int>(columns.parameters.size());
+    const std::vector<Parameter> linear = active.effect->Parameters(prepared.robot(), active.joints);
     const std::vector<ShapeParameter> shapes = active.effect->Shapes(motions, active.joints);
     CHECK_EQ(static_cast<size_t>(active.shape.size()), shapes.size()) << active.effect->id();
     const bool with_shapes = active.values.size() > 0;
-    prepared->effect_parameters.insert(prepared->effect_parameters.end(), linear.begin(), linear.end());
+    columns.parameters.insert(columns.parameters.end(), linear.begin(), linear.end());
     for (size_t k = 0; with_shapes && k < shapes.size(); ++k) {
-      prepared->effect_parameters.push_back({ShapeParameterName(active.effect->id(), shapes[k].name, active.joints),
-                                             ParameterKind::kEffectShape,
-                                             active.joints.empty() ? 0 : active.joints[0] + 1, shapes[k].unit});
+      columns.parameters.push_back({ShapeParameterName(active.effect->id(), shapes[k].name, active.joints),
+                                    ParameterKind::kEffectShape, active.joints.empty() ? 0 : active.joints[0] + 1,
+                                    shapes[k].unit});
     }
     for (size_t r = 0; r < motions.size(); ++r) {
-      std::vector<EffectEntry>& entries = prepared->recordings[r].effects;
+      std::vector<EffectEntry>& entries = columns.of_recording[r];
       for (EffectEntry entry : active.effect->Columns(motions[r], active.joints, active.shape)) {
         entry.parameter += first;
         entries.push_back(std::move(entry));
@@ -91,6 +88,54 @@ void SetEffects(const std::vector<ActiveEffect>& effects, const std::vector<Effe
       }
     }
   }
+  Model model = prepared.model;
+  model.effects = effects;
+  model.columns = std::make_shared<const EffectColumns>(std::move(columns));
+  return model;
+}
+
+Model WithoutEffects(const Model& model) {
+  Model result = model;
+  EffectColumns none;
+  none.of_recording.resize(model.roles.size());
+  result.effects.clear();
+  result.columns = std::make_shared<const EffectColumns>(std::move(none));
+  return result;
+}
+
+Model ForRecordings(const Model& model, const std::vector<int>& indices, const std::vector<RecordingRole>& roles) {
+  CHECK_EQ(indices.size(), roles.size());
+  const EffectColumns& all = *model.columns;
+  EffectColumns columns;
+  for (const int r : indices) columns.of_recording.push_back(all.of_recording[static_cast<size_t>(r)]);
+  Model result = model;
+  result.roles = roles;
+  result.effects.clear();
+  std::vector<int> index(all.parameters.size(), -1);
+  size_t at = 0;
+  for (const ActiveEffect& active : model.effects) {
+    const size_t begin = at;
+    at += active.effect->Parameters(model.base().model().robot(), active.joints).size() +
+          (active.values.size() > 0 ? static_cast<size_t>(active.shape.size()) : 0);
+    bool acts = false;
+    for (const std::vector<EffectEntry>& entries : columns.of_recording) {
+      for (const EffectEntry& entry : entries) {
+        const auto parameter = static_cast<size_t>(entry.parameter);
+        acts |= parameter >= begin && parameter < at;
+      }
+    }
+    if (!acts) continue;
+    result.effects.push_back(active);
+    for (size_t k = begin; k < at; ++k) {
+      index[k] = static_cast<int>(columns.parameters.size());
+      columns.parameters.push_back(all.parameters[k]);
+    }
+  }
+  for (std::vector<EffectEntry>& entries : columns.of_recording) {
+    for (EffectEntry& entry : entries) entry.parameter = index[static_cast<size_t>(entry.parameter)];
+  }
+  result.columns = std::make_shared<const EffectColumns>(std::move(columns));
+  return result;
 }
 
 std::string ShapeParameterName(const std::string& effect_id, const std::string& shape, const std::vector<int>& joints) {
@@ -102,47 +147,36 @@ std::string ShapeParameterName(const std::string& effect_id, const std::string& 
 std::vector<ShapeParameter> ShapesAlong(const PreparedStudy& prepared, const Effect& effect,
                                         const std::vector<int>& joints) {
   std::vector<EffectMotion> motions;
-  for (size_t r = 0; r < prepared.recordings.size(); ++r) {
-    const JointStates& states = prepared.recordings[r].states;
+  for (size_t r = 0; r < prepared.data->recordings.size(); ++r) {
+    const JointStates& states = *prepared.data->recordings[r].states;
     EffectMotion motion;
-    motion.robot = &prepared.study.robot;
+    motion.robot = &prepared.robot();
     motion.recording = static_cast<int>(r);
     motion.t = states.t;
     motion.q = states.q;
     motion.dq = states.dq;
     motion.ddq = states.ddq;
-    motion.velocity_sigma = prepared.velocity_sigma;
-    motion.position_sigma = prepared.position_sigma;
+    motion.velocity_sigma = prepared.data->velocity_sigma;
+    motion.position_sigma = prepared.data->position_sigma;
     motions.push_back(std::move(motion));
   }
   return effect.Shapes(motions, joints);
 }
 
-VectorXd ShapeOffsets(const PreparedStudy& prepared) {
-  VectorXd offsets = VectorXd::Zero(static_cast<Eigen::Index>(prepared.effect_parameters.size()));
-  const std::vector<int> first = FirstParameters(prepared);
-  for (size_t e = 0; e < prepared.effects.size(); ++e) {
-    const int linear = LinearCount(prepared, prepared.effects[e]);
-    const int shapes = first[e + 1] - first[e] - linear;
-    offsets.segment(first[e] + linear, shapes) = prepared.effects[e].shape.head(shapes);
-  }
-  return offsets;
-}
-
 StatedModel AsStated(const PreparedStudy& prepared, const ArmParameters& arm) {
   StatedModel stated{prepared, arm};
-  if (prepared.effects.empty()) return stated;
-  const int base = prepared.base.size();
-  const std::vector<int> first = FirstParameters(prepared);
-  std::vector<ActiveEffect> effects = prepared.effects;
+  if (prepared.model.effects.empty()) return stated;
+  const int base = prepared.base().size();
+  const Unknowns unknowns(prepared.model, UncertainPayload::kExact);
+  std::vector<ActiveEffect> effects = prepared.model.effects;
   std::vector<double> chi(arm.chi.data(), arm.chi.data() + base);
   for (size_t e = 0; e < effects.size(); ++e) {
     ActiveEffect& active = effects[e];
-    const int linear = LinearCount(prepared, active);
-    const double* const values = arm.chi.data() + base + first[e];
+    const auto [at, linear, free] = unknowns.effect(e);
+    const double* const values = arm.chi.data() + at - unknowns.first_base();
     chi.insert(chi.end(), values, values + linear);
     active.values.resize(0);
-    if (first[e + 1] - first[e] == linear) continue;
+    if (free == 0) continue;
     const std::vector<ShapeParameter> shapes = ShapesAlong(prepared, *active.effect, active.joints);
     for (size_t s = 0; s < shapes.size(); ++s) {
       double& shape = active.shape[static_cast<Eigen::Index>(s)];
@@ -151,24 +185,13 @@ StatedModel AsStated(const PreparedStudy& prepared, const ArmParameters& arm) {
     }
   }
   // Without effects, with those that the model without gives, with those of that.
-  PreparedStudy& model = stated.prepared;
-  SetEffects({}, std::vector<EffectMotion>(model.recordings.size()), &model);
+  stated.prepared.model = WithoutEffects(prepared.model);
   stated.arm.chi = VectorXd::Map(chi.data(), base);
   for (int round = 0; round < 2; ++round) {
-    const std::vector<EffectMotion> motions = MotionsOf(model, stated.arm);
-    SetEffects(effects, motions, &model);
+    stated.prepared.model = WithEffects(stated.prepared, effects, MotionsOf(stated.prepared, stated.arm));
     stated.arm.chi = VectorXd::Map(chi.data(), static_cast<Eigen::Index>(chi.size()));
   }
   return stated;
-}
-
-std::vector<int> FirstParameters(const PreparedStudy& prepared) {
-  std::vector<int> first = {0};
-  for (const ActiveEffect& active : prepared.effects) {
-    const int shapes = active.values.size() > 0 ? static_cast<int>(active.shape.size()) : 0;
-    first.push_back(first.back() + LinearCount(prepared, active) + shapes);
-  }
-  return first;
 }
 
 }  // namespace idim

@@ -38,40 +38,44 @@ MatrixXd UnfilteredResidual(const RecordingSeries& series) {
 
 }  // namespace
 
-RecordingSeries Predict(const PreparedStudy& prepared, const PreparedRecording& recording,
-                        const ArmParameters& parameters) {
-  const Study& study = prepared.study;
-  CHECK_EQ(parameters.chi.size(), prepared.num_columns());
-  CHECK_EQ(parameters.payloads.size(), study.payloads.size());
+RecordingSeries Predict(const PreparedStudy& prepared, int index, const ArmParameters& parameters) {
+  const auto r = static_cast<size_t>(index);
+  const MeasuredRecording& recording = prepared.data->recordings[r];
+  const RecordingRole& role = prepared.model.roles[r];
+  const EffectColumns& effects = *prepared.model.columns;
+  const BaseParameters& base = prepared.base();
+  CHECK_EQ(static_cast<size_t>(parameters.chi.size()), static_cast<size_t>(base.size()) + effects.parameters.size());
+  CHECK_EQ(parameters.payloads.size(), prepared.model.payloads.size());
   // Base parameters are standard parameters with the regrouped ones zero: the torque is the same.
-  StandardModel model = prepared.base.model();
+  StandardModel model = base.model();
   VectorXd chi = VectorXd::Zero(model.columns());
-  for (int k = 0; k < prepared.base.size(); ++k) chi[prepared.base.kept()[k]] = parameters.chi[k];
-  const InertialVector body = parameters.Carried(recording.entry);
+  for (int k = 0; k < base.size(); ++k) chi[base.kept()[k]] = parameters.chi[k];
+  const InertialVector body = parameters.Carried(role);
 
   RecordingSeries series;
   series.name = recording.entry.name;
-  series.use = recording.entry.use == Use::kIdentification ? "identification" : "validation";
-  series.t = recording.recording.t;
-  series.torque = JointTorque(study, parameters.gains, recording.recording.signal);
+  series.use = role.use == Use::kIdentification ? "identification" : "validation";
+  series.t = recording.recording->t;
+  series.torque = prepared.data->drive.Torque(parameters.gains, recording.recording->signal);
   series.model.resizeLike(series.torque);
-  const JointStates& states = recording.states;
+  const JointStates& states = *recording.states;
   VectorXd q, dq, ddq, tau(model.dof());
   for (Eigen::Index i = 0; i < series.t.size(); ++i) {
     q = states.q.row(i);
     dq = states.dq.row(i);
     ddq = states.ddq.row(i);
-    model.Torque(q.data(), dq.data(), ddq.data(), prepared.velocity_sigma.data(), chi, body, tau.data());
+    model.Torque(q.data(), dq.data(), ddq.data(), prepared.data->velocity_sigma.data(), chi, body, tau.data());
     series.model.row(i) = tau;
   }
-  for (const EffectEntry& effect : recording.effects) {
-    series.model.col(effect.joint) += parameters.chi[prepared.base.size() + effect.parameter] * effect.torque;
+  for (const EffectEntry& effect : effects.of_recording[r]) {
+    series.model.col(effect.joint) += parameters.chi[base.size() + effect.parameter] * effect.torque;
   }
-  series.decimated_t = recording.decimator.times();
-  series.decimated_q = recording.decimator.Apply(states.q);
-  series.decimated_dq = recording.decimator.Apply(states.dq);
-  series.decimated_torque = recording.decimator.Apply(series.torque);
-  series.decimated_model = recording.decimator.Apply(series.model);
+  const Decimator& decimator = *recording.decimator;
+  series.decimated_t = decimator.times();
+  series.decimated_q = decimator.Apply(states.q);
+  series.decimated_dq = decimator.Apply(states.dq);
+  series.decimated_torque = decimator.Apply(series.torque);
+  series.decimated_model = decimator.Apply(series.model);
   return series;
 }
 
@@ -103,12 +107,9 @@ double RelativeErrorPercent(const std::vector<RecordingSeries>& series) {
   return 100.0 * std::sqrt(residual / torque);
 }
 
-VectorXd SignalDeviation(const Study& study, const VectorXd& gains, const std::vector<RecordingSeries>& series) {
-  const int n = study.robot.dof();
-  // torque = map * signal, row by row.
-  const MatrixXd map = JointTorque(study, gains, MatrixXd::Identity(n, n)).transpose();
-  const Eigen::PartialPivLU<MatrixXd> inverse(map);
-  VectorXd squares = VectorXd::Zero(n);
+VectorXd SignalDeviation(const DriveMap& drive, const VectorXd& gains, const std::vector<RecordingSeries>& series) {
+  const Eigen::PartialPivLU<MatrixXd> inverse(drive.Matrix(gains));
+  VectorXd squares = VectorXd::Zero(drive.dof());
   double samples = 0.0;
   for (const RecordingSeries& s : series) {
     if (s.use != "identification") continue;

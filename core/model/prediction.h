@@ -8,25 +8,12 @@
 
 #include "core/estimate/estimate.h"
 #include "core/estimate/series.h"
-#include "core/model/prepared_study.h"
+#include "core/model/unknowns.h"
 
 namespace idim {
 
-// All that a torque of the study depends on.
-struct ArmParameters {
-  Eigen::VectorXd gains;                 // n [N m or N per signal unit]
-  Eigen::VectorXd chi;                   // of PreparedStudy::parameters()
-  std::vector<InertialVector> payloads;  // one a payload of the study, in the frame of the last link
-
-  // What a recording carries, zero for nothing.
-  InertialVector Carried(const RecordingEntry& entry) const {
-    return entry.payload < 0 ? InertialVector(InertialVector::Zero()) : payloads[entry.payload];
-  }
-};
-
-// Torque by signal and gains, and by the model, at the recorded instants and decimated.
-RecordingSeries Predict(const PreparedStudy& prepared, const PreparedRecording& recording,
-                        const ArmParameters& parameters);
+// Of a recording of the data: torque by signal and gains, and by the model, at the recorded instants and decimated.
+RecordingSeries Predict(const PreparedStudy& prepared, int recording, const ArmParameters& parameters);
 
 // A relative error is infinite (or NaN for a residual of zero) on a joint without any torque; a residual of zero has an
 // autocorrelation of 0. The recorded samples count from the first decimated instant to the last.
@@ -37,7 +24,7 @@ double RelativeErrorPercent(const std::vector<RecordingSeries>& series);
 
 // n [signal unit]: standard deviation of a logged signal about the model at the recorded rate, on its own side, over
 // the identification recordings; their filtered ends do not count.
-Eigen::VectorXd SignalDeviation(const Study& study, const Eigen::VectorXd& gains,
+Eigen::VectorXd SignalDeviation(const DriveMap& drive, const Eigen::VectorXd& gains,
                                 const std::vector<RecordingSeries>& series);
 
 }  // namespace idim

@@ -296,12 +296,4 @@ Result<Recording> ReadRecording(const Study& study, const RecordingEntry& entry)
   return RecordingReader(study, entry).Read();
 }
 
-Eigen::MatrixXd JointTorque(const Study& study, const Eigen::VectorXd& gains, const Eigen::MatrixXd& signal) {
-  CHECK_EQ(gains.size(), study.robot.dof());
-  CHECK_EQ(signal.cols(), study.robot.dof());
-  const Eigen::MatrixXd torque = signal * gains.asDiagonal();
-  if (study.signal_side == Side::kJoint) return torque;
-  return torque * study.robot.transmission;  // rows are tau' = (T' diag(g) v)'
-}
-
 }  // namespace idim

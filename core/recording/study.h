@@ -13,12 +13,12 @@
 #include "core/base/status.h"
 #include "core/dynamics/standard_model.h"
 #include "core/recording/recording.h"
+#include "core/robot/drive_map.h"
 #include "core/robot/robot.h"
 
 namespace idim {
 
 enum class Use { kIdentification, kValidation };
-enum class Side { kJoint, kMotor };
 
 // The known ones among the ten inertial parameters, about the frame of the last link; the others are identified.
 struct Payload {
@@ -123,10 +123,6 @@ Result<Study> ReadStudy(const std::string& yaml_path);
 // runs backwards, a truncated last line, fewer than 2 samples, files of different length, columns that are missing or
 // belong to a joint that the robot lacks, tau with gains that are not known and 1 or with signal_side motor.
 Result<Recording> ReadRecording(const Study& study, const RecordingEntry& entry);
-
-// Joint torque [N m] of a signal row with the given gains: diag(g) v on the joint side, T' diag(g) v on the motor
-// side. signal: N x n; returns N x n.
-Eigen::MatrixXd JointTorque(const Study& study, const Eigen::VectorXd& gains, const Eigen::MatrixXd& signal);
 
 }  // namespace idim
 

@@ -129,7 +129,7 @@ double IntervalFactor(double b) { return (1.96 + 2.9694 * b + 0.4160 * b * b - 0
 
 void SetCovariance(BundleProblem* problem, const BundleData& data, const Iterate& iterate, BundleSummary* summary) {
   const BundleOptions& options = summary->given;
-  const double count = static_cast<double>(data.samples.size());
+  const double count = static_cast<double>(data.samples().size());
   BundleProblem::Sensitivity sensitivity = problem->Scores(iterate.theta, iterate.sigma);
   const MatrixXd inverse = InverseOf(sensitivity.curvature);
   const double variance = HuberNorm{options.huber_threshold * std::sqrt(data.dof)}.VarianceFactor(data.dof);
@@ -208,14 +208,14 @@ BundleSummary SolveBundle(const BaseParameters& base, const BundleData& data, co
   summary.iterations = 0;
   summary.weight_iterations = 0;
   summary.degrees_of_freedom =
-      static_cast<double>(data.samples.size()) * data.dof - static_cast<double>(data.num_unknowns());
+      static_cast<double>(data.samples().size()) * data.dof - static_cast<double>(data.num_unknowns());
   if (!(data.Gains(start).cwiseAbs().minCoeff() > 0.0) || !start.allFinite()) {
     summary.status = Status::Untrusted("the bundle cannot start: a gain is zero or not a number");
     return summary;
   }
   if (summary.degrees_of_freedom < 1.0) {
     summary.status =
-        Status::Untrusted("not identifiable: " + std::to_string(data.samples.size() * data.dof) + " equations for " +
+        Status::Untrusted("not identifiable: " + std::to_string(data.samples().size() * data.dof) + " equations for " +
                           std::to_string(data.num_unknowns()) + " unknowns. Record longer, or decimate less");
     return summary;
   }
@@ -230,10 +230,10 @@ BundleSummary SolveBundle(const BaseParameters& base, const BundleData& data, co
   }
   problem.HoldFriction(start);
   const auto evaluate = [&] { iterate.at = problem.Evaluate(iterate.theta, iterate.sigma); };
-  std::vector<int> all(data.unknowns.size());
+  std::vector<int> all(data.num_unknowns());
   std::iota(all.begin(), all.end(), 0);
   const auto diagnose = [&] {
-    return DiagnoseRank(iterate.at.r.topLeftCorner(start.size(), start.size()), all, data.unknowns,
+    return DiagnoseRank(iterate.at.r.topLeftCorner(start.size(), start.size()), all, data.unknowns.parameters(),
                         options.rank_tolerance);
   };
   evaluate();

@@ -10,8 +10,7 @@
 
 #include "core/base/decompositions.h"
 #include "core/base/text.h"
-#include "core/model/observation_stream.h"
-#include "core/model/payload_unknowns.h"
+#include "core/model/sample_stream.h"
 #include "core/motion/state_covariance.h"
 #include "solvers/linear/gain_system.h"
 
@@ -21,59 +20,61 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Appends the samples of one recording.
-void AddRecording(const PreparedRecording& recording, const PreparedStudy& prepared, int index, BundleData* data) {
-  const int payload = recording.entry.payload;
-  const JointStates& states = recording.states;
-  MatrixXd all(states.q.rows(), 4 * data->dof);
-  all.leftCols(3 * data->dof) << states.q, states.dq, states.ddq;
+// n x (base and payload unknowns): what a model's effects have no part in.
+BundleSample::RowMajorMatrix WithoutEffectColumns(const Unknowns& unknowns, const BundleSample::RowMajorMatrix& all) {
+  const int base = unknowns.num_base(), effects = unknowns.num_effect_parameters();
+  BundleSample::RowMajorMatrix columns(all.rows(), all.cols() - effects);
+  columns << all.leftCols(base), all.rightCols(all.cols() - base - effects);
+  return columns;
+}
+
+// Appends the samples of recording r of the data, and the columns of their effects.
+void AddRecording(const PreparedStudy& prepared, int r, int index, const BundleData& data,
+                  std::vector<BundleSample>* samples, std::vector<BundleSample::RowMajorMatrix>* effects) {
+  const int n = data.dof;
+  const MeasuredRecording& recording = prepared.data->recordings[static_cast<size_t>(r)];
+  const JointStates& states = *recording.states;
+  MatrixXd all(states.q.rows(), 4 * n);
+  all.leftCols(3 * n) << states.q, states.dq, states.ddq;
   for (Eigen::Index i = 0; i < states.dq.rows(); ++i) {
-    for (int j = 0; j < data->dof; ++j) {
-      all(i, 3 * data->dof + j) = 1.0 - std::pow(ExpectedSign(states.dq(i, j), prepared.velocity_sigma[j]), 2);
+    for (int j = 0; j < n; ++j) {
+      all(i, 3 * n + j) = 1.0 - std::pow(ExpectedSign(states.dq(i, j), prepared.data->velocity_sigma[j]), 2);
     }
   }
-  const MatrixXd decimated = recording.decimator.Apply(all);
-  InertialVector known = InertialVector::Zero();
-  if (payload >= 0) known = data->known_payload[payload];
+  const MatrixXd decimated = recording.decimator->Apply(all);
   Eigen::Index row = 0;
-  StreamObservations(prepared, recording, [&](const Observation& observation) {
+  StreamSamples(prepared, data.unknowns, r, [&](const Sample& streamed) {
     BundleSample sample;
     sample.recording = index;
-    sample.columns.setZero(data->dof, data->num_columns());
-    sample.columns.leftCols(data->num_base) = observation.columns;
-    for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
-      const int column = data->payload_columns[payload][k];
-      if (column >= 0) sample.columns.col(column) = observation.payload.col(k);
-    }
-    sample.known = observation.payload * known;
-    sample.signal = observation.signal;
-    sample.state = decimated.row(row).head(3 * data->dof);
-    sample.sign_variance = decimated.row(row++).tail(data->dof).cwiseMax(0.0);
-    data->samples.push_back(std::move(sample));
+    sample.columns = WithoutEffectColumns(data.unknowns, streamed.columns);
+    sample.known = streamed.known;
+    sample.signal = streamed.signal;
+    sample.state = decimated.row(row).head(3 * n);
+    sample.sign_variance = decimated.row(row++).tail(n).cwiseMax(0.0);
+    samples->push_back(std::move(sample));
+    effects->push_back(streamed.columns.middleCols(data.unknowns.num_base(), data.unknowns.num_effect_parameters()));
   });
 }
 
-// Of the unknowns of *data: of payload parameters that the study states with a standard deviation, and of its key
-// `priors`.
-Status SetPriors(const Study& study, BundleData* data) {
-  for (size_t p = 0; p < data->payload_columns.size(); ++p) {
+// Of the unknowns of *data: of payload parameters that the model states with a standard deviation, and its priors.
+Status SetPriors(const Model& model, BundleData* data) {
+  data->priors.clear();
+  for (int p = 0; p < data->unknowns.num_payloads(); ++p) {
+    const Payload& payload = model.payloads[static_cast<size_t>(p)];
     for (int k = 0; k < kNumInertial; ++k) {
-      const Payload& payload = study.payloads[p];
-      if (data->payload_columns[p][k] < 0 || !payload.standard_deviation[k]) continue;
-      data->priors.push_back(
-          {data->num_gains() + data->payload_columns[p][k], *payload.known[k], *payload.standard_deviation[k]});
+      if (data->unknowns.payload(p, k) < 0 || !payload.standard_deviation[k]) continue;
+      data->priors.push_back({data->unknowns.payload(p, k), *payload.known[k], *payload.standard_deviation[k]});
     }
   }
-  for (const Prior& prior : study.priors) {
-    const auto found = std::find_if(data->unknowns.begin(), data->unknowns.end(),
-                                    [&](const Parameter& unknown) { return unknown.name == prior.parameter; });
-    if (found == data->unknowns.end()) {
+  for (const Prior& prior : ActivePriors(model)) {
+    const std::optional<int> unknown = data->unknowns.Find(prior.parameter);
+    if (!unknown) {
       std::vector<std::string> names;
-      for (const Parameter& unknown : data->unknowns) names.push_back(unknown.name);
+      for (const Parameter& parameter : data->unknowns.parameters()) names.push_back(parameter.name);
       return Status::BadInput(prior.where + ": '" + prior.parameter +
                               "' is not identified by this study; expected one of " + Join(names, " "));
     }
-    data->priors.push_back({static_cast<int>(found - data->unknowns.begin()), prior.value, prior.standard_deviation});
+    data->priors.push_back({*unknown, prior.value, prior.standard_deviation});
   }
   return Status::Ok();
 }
@@ -89,93 +90,87 @@ bool AreValid(const std::vector<BundlePrior>& priors, std::string* error) {
   return true;
 }
 
+const BundleData::RowMajorMatrix& BundleData::Columns(size_t k, RowMajorMatrix* scratch) const {
+  const RowMajorMatrix& own = samples()[k].columns;
+  if (effects_.cols() == 0) return own;
+  const Eigen::Index base = unknowns.num_base(), payload = own.cols() - base;
+  scratch->resize(dof, own.cols() + effects_.cols());
+  scratch->leftCols(base) = own.leftCols(base);
+  scratch->middleCols(base, effects_.cols()) = effects_.middleRows(static_cast<Eigen::Index>(k) * dof, dof);
+  scratch->rightCols(payload) = own.rightCols(payload);
+  return *scratch;
+}
+
 Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
-  const Study study = ReleaseUncertain(prepared.study);
+  const Model& model = prepared.model;
   BundleData data;
-  data.dof = study.robot.dof();
-  data.num_base = prepared.num_columns();
-  if (study.gains_mode == GainsMode::kIdentify) {
-    if (Status status = CheckGainStudy(prepared.study); !status.ok()) return status;
-    data.unknowns = GainParameters(data.dof);
-  } else {
-    data.known_gains = study.gains;
+  data.dof = prepared.robot().dof();
+  if (model.IdentifiesGains()) {
+    if (Status status = CheckGainStudy(prepared); !status.ok()) return status;
   }
-  const std::vector<Parameter> of_model = prepared.parameters();
-  data.unknowns.insert(data.unknowns.end(), of_model.begin(), of_model.end());
-  data.payload_columns = AppendPayloadUnknowns(study, &data.unknowns);
-  for (auto& columns : data.payload_columns) {
-    for (int& column : columns) column -= column >= 0 ? data.num_gains() : 0;
-  }
-  for (int p = 0; p < static_cast<int>(study.payloads.size()); ++p)
-    data.known_payload.push_back(KnownPayload(study, p));
-  data.inverse_drive =
-      JointTorque(study, VectorXd::Ones(data.dof), MatrixXd::Identity(data.dof, data.dof)).transpose().inverse();
-  for (const PreparedRecording& recording : prepared.recordings) {
-    if (recording.entry.use != Use::kIdentification) continue;
+  data.unknowns = Unknowns(model, UncertainPayload::kUnknown);
+  data.inverse_drive = prepared.data->drive.Matrix().inverse();
+  std::vector<BundleSample> samples;
+  std::vector<BundleData::RowMajorMatrix> effects;
+  for (const int r : model.RecordingsFor(Use::kIdentification)) {
+    const MeasuredRecording& recording = prepared.data->recordings[static_cast<size_t>(r)];
     const Result<StateCovariance> covariance =
-        StateCovariance::Create(recording.recording.t, prepared.preprocessing, recording.decimator);
+        StateCovariance::Create(recording.recording->t, prepared.data->preprocessing, *recording.decimator);
     if (!covariance.ok()) return covariance.status();
     std::vector<Eigen::Matrix3d> of_joints;
-    for (const double sigma : prepared.position_noise) of_joints.push_back(sigma * sigma * covariance->decimated());
+    for (const double sigma : prepared.data->position_noise) {
+      of_joints.push_back(sigma * sigma * covariance->decimated());
+    }
     data.state_covariance.push_back(std::move(of_joints));
-    data.payload_of_recording.push_back(recording.entry.payload);
-    AddRecording(recording, prepared, static_cast<int>(data.payload_of_recording.size()) - 1, &data);
+    data.payload_of_recording.push_back(model.roles[static_cast<size_t>(r)].payload);
+    AddRecording(prepared, r, static_cast<int>(data.payload_of_recording.size()) - 1, data, &samples, &effects);
   }
+  BundleData::RowMajorMatrix stacked(data.dof * static_cast<Eigen::Index>(effects.size()),
+                                     data.unknowns.num_effect_parameters());
+  for (size_t k = 0; k < effects.size(); ++k) {
+    stacked.middleRows(static_cast<Eigen::Index>(k) * data.dof, data.dof) = effects[k];
+  }
+  data.SetSamples(std::move(samples));
+  data.SetEffectColumns(std::move(stacked));
   for (int j = 1; j <= data.dof; ++j) {
-    const auto& of_base = prepared.base.parameters();
-    const auto found = std::find_if(of_base.begin(), of_base.end(), [&](const Parameter& parameter) {
-      return parameter.name == "Fs" + std::to_string(j);
-    });
-    data.coulomb_columns.push_back(found == of_base.end() ? -1 : static_cast<int>(found - of_base.begin()));
+    const std::optional<int> coulomb = data.unknowns.Find("Fs" + std::to_string(j));
+    data.coulomb_columns.push_back(coulomb ? *coulomb - data.num_gains() : -1);
   }
-  if (Status status = SetPriors(prepared.study, &data); !status.ok()) return status;
+  if (Status status = SetPriors(model, &data); !status.ok()) return status;
   return data;
 }
 
 BundleData WithEffectsOf(const PreparedStudy& prepared, const BundleData& before) {
-  const int base = prepared.base.size(), effects = static_cast<int>(prepared.effect_parameters.size());
-  const int had = before.num_base - base, more = effects - had;
   BundleData data = before;
-  data.num_base = base + effects;
-  const auto first = data.unknowns.begin() + data.num_gains() + base;
-  data.unknowns.erase(first, first + had);
-  data.unknowns.insert(data.unknowns.begin() + data.num_gains() + base, prepared.effect_parameters.begin(),
-                       prepared.effect_parameters.end());
-  for (auto& columns : data.payload_columns) {
-    for (int& column : columns) column += column >= 0 ? more : 0;
-  }
-  data.priors.clear();
-  const Status priors = SetPriors(prepared.study, &data);
+  data.unknowns = Unknowns(prepared.model, UncertainPayload::kUnknown);
+  const Status priors = SetPriors(prepared.model, &data);
   CHECK(priors.ok()) << priors.message();
-  const Eigen::Index payload = before.num_columns() - before.num_base;
-  auto sample = data.samples.begin();
-  for (const PreparedRecording& recording : prepared.recordings) {
-    if (recording.entry.use != Use::kIdentification) continue;
-    std::vector<MatrixXd> decimated;
-    for (const EffectEntry& entry : recording.effects) decimated.push_back(recording.decimator.Apply(entry.torque));
-    const Eigen::Index count = recording.decimator.times().size();
-    for (Eigen::Index k = 0; k < count; ++k, ++sample) {
-      auto& columns = sample->columns;
-      const MatrixXd was = columns;
-      columns.setZero(data.dof, data.num_columns());
-      columns.leftCols(base) = was.leftCols(base);
-      columns.rightCols(payload) = was.rightCols(payload);
-      for (size_t e = 0; e < recording.effects.size(); ++e) {
-        const EffectEntry& entry = recording.effects[e];
-        columns(entry.joint, base + entry.parameter) += decimated[e](k, 0);
+  BundleData::RowMajorMatrix effects = BundleData::RowMajorMatrix::Zero(
+      data.dof * static_cast<Eigen::Index>(data.samples().size()), data.unknowns.num_effect_parameters());
+  Eigen::Index first = 0;
+  for (const int r : prepared.model.RecordingsFor(Use::kIdentification)) {
+    const Decimator& decimator = *prepared.data->recordings[static_cast<size_t>(r)].decimator;
+    for (const EffectEntry& entry : prepared.model.columns->of_recording[static_cast<size_t>(r)]) {
+      const MatrixXd decimated = decimator.Apply(entry.torque);
+      for (Eigen::Index k = 0; k < decimated.rows(); ++k) {
+        effects((first + k) * data.dof + entry.joint, entry.parameter) += decimated(k, 0);
       }
     }
+    first += decimator.times().size();
   }
-  CHECK(sample == data.samples.end());
+  CHECK_EQ(static_cast<size_t>(first), data.samples().size());
+  data.SetEffectColumns(std::move(effects));
   return data;
 }
 
 SampleRanges RecordingsOf(const BundleData& data) {
   SampleRanges ranges;
-  const Eigen::Index count = static_cast<Eigen::Index>(data.samples.size());
+  const Eigen::Index count = static_cast<Eigen::Index>(data.samples().size());
   for (Eigen::Index begin = 0; begin < count;) {
     Eigen::Index end = begin;
-    while (end < count && data.samples[end].recording == data.samples[begin].recording) ++end;
+    while (end < count &&
+           data.samples()[static_cast<size_t>(end)].recording == data.samples()[static_cast<size_t>(begin)].recording)
+      ++end;
     ranges.emplace_back(begin, end);
     begin = end;
   }
@@ -209,10 +204,10 @@ StateDerivatives::StateDerivatives(const BaseParameters& base, const BundleData&
       if (column >= 0) base_entries_.push_back({j, k, column});
     }
   }
-  for (const std::array<int, kNumInertial>& columns : data.payload_columns) {
+  for (int p = 0; p < data.unknowns.num_payloads(); ++p) {
     payload_entries_.emplace_back();
     for (int k = 0; k < kNumInertial; ++k) {
-      if (columns[k] >= 0) payload_entries_.back().push_back({n - 1, k, columns[k]});
+      if (data.payload_column(p, k) >= 0) payload_entries_.back().push_back({n - 1, k, data.payload_column(p, k)});
     }
   }
   // The drives' columns but for the Coulomb ones are linear in dq and ddq: unit states give their derivatives.
@@ -240,7 +235,7 @@ void StateDerivatives::Torque(const BundleSample& sample, const VectorXd& chi, M
   for (InertialVector& inertial : inertials_) inertial.setZero();
   for (const InertialEntry& entry : base_entries_) inertials_[entry.link][entry.parameter] = chi[entry.column];
   if (const int payload = data_.payload_of_recording[sample.recording]; payload >= 0) {
-    inertials_.back() += data_.known_payload[payload];
+    inertials_.back() += data_.unknowns.known_payload(payload);
     for (const InertialEntry& entry : payload_entries_[payload])
       inertials_.back()[entry.parameter] += chi[entry.column];
   }

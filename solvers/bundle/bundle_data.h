@@ -16,13 +16,15 @@
 #define IDIM_SOLVERS_BUNDLE_BUNDLE_DATA_H_
 
 #include <Eigen/Core>
-#include <array>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/status.h"
 #include "core/dynamics/rigid_body_derivatives.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
+#include "core/model/unknowns.h"
 #include "core/statistics/long_run_covariance.h"
 
 namespace idim {
@@ -38,45 +40,59 @@ struct BundlePrior {
 bool AreValid(const std::vector<BundlePrior>& priors, std::string* error);
 
 struct BundleSample {
-  int recording = 0;  // index into BundleData::payload_of_recording and ::state_covariance
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> columns;  // n x (base + payload unknowns)
-  Eigen::VectorXd known;                                                           // n [N m or N]
-  Eigen::VectorXd signal;                                                          // n [signal unit]
-  Eigen::VectorXd state;                                                           // 3n: q, dq, ddq
+  using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  int recording = 0;       // index into BundleData::payload_of_recording and ::state_covariance
+  RowMajorMatrix columns;  // n x (base + payload unknowns): without those of effects
+  Eigen::VectorXd known;   // n [N m or N]
+  Eigen::VectorXd signal;  // n [signal unit]
+  Eigen::VectorXd state;   // 3n: q, dq, ddq
   // n: variance of the sign of each velocity given its measurement, 1 - E[sign]^2, filtered; empty: zero.
   Eigen::VectorXd sign_variance;
 };
 
 struct BundleData {
-  std::vector<Parameter> unknowns;  // gains (unless they are known), base parameters, unknown payload parameters
+  using RowMajorMatrix = BundleSample::RowMajorMatrix;
+
+  Unknowns unknowns;  // payload parameters with a standard deviation among them
   int dof = 0;
-  int num_base = 0;                   // base parameters and parameters of effects
-  std::vector<BundleSample> samples;  // recording by recording, in order of time
   // A recording: the 3 x 3 covariance of (q, dq, ddq) of each joint, [rad, rad/s, rad/s^2]^2.
   std::vector<std::vector<Eigen::Matrix3d>> state_covariance;
-  std::vector<int> payload_of_recording;  // index of the study's payload, -1: none
-  // A payload of the study: its known part, and the columns among the samples' of its unknown parameters (-1: known).
-  std::vector<InertialVector> known_payload;
-  std::vector<std::array<int, kNumInertial>> payload_columns;
-  Eigen::MatrixXd inverse_drive;     // M^-1, n x n
-  std::vector<int> coulomb_columns;  // n: column of each joint's Coulomb friction among the samples', -1: not declared
-  Eigen::VectorXd known_gains;       // n, or empty: gains are unknown
-  std::vector<BundlePrior> priors;   // of the study, for BundleOptions::priors
+  std::vector<int> payload_of_recording;  // index of the model's payload, -1: none
+  Eigen::MatrixXd inverse_drive;          // M^-1, n x n
+  std::vector<int> coulomb_columns;       // n: column of each joint's Coulomb friction, -1: not declared
+  std::vector<BundlePrior> priors;        // of the model, for BundleOptions::priors
 
-  int num_unknowns() const { return static_cast<int>(unknowns.size()); }
-  int num_gains() const { return known_gains.size() > 0 ? 0 : dof; }  // unknown ones
-  int num_columns() const { return num_unknowns() - num_gains(); }
-  // All gains, of the unknowns theta or known. n [N m or N per signal unit].
-  Eigen::VectorXd Gains(const Eigen::VectorXd& theta) const {
-    return known_gains.size() > 0 ? known_gains : Eigen::VectorXd(theta.head(dof));
+  // Recording by recording, in order of time. Shared by all data that differ in their effects alone.
+  const std::vector<BundleSample>& samples() const { return *samples_; }
+  void SetSamples(std::vector<BundleSample> samples) {
+    samples_ = std::make_shared<const std::vector<BundleSample>>(std::move(samples));
   }
+  // n rows a sample, a column a parameter of the effects.
+  void SetEffectColumns(RowMajorMatrix columns) { effects_ = std::move(columns); }
+  // n x num_columns() of sample k, in *scratch where there are effects.
+  const RowMajorMatrix& Columns(size_t k, RowMajorMatrix* scratch) const;
+
+  int num_unknowns() const { return unknowns.size(); }
+  int num_gains() const { return unknowns.num_gains(); }
+  int num_columns() const { return unknowns.num_columns(); }
+  // The column of parameter k of a payload (-1: none); -1: known or not carried.
+  int payload_column(int payload, int k) const {
+    const int unknown = unknowns.payload(payload, k);
+    return unknown < 0 ? -1 : unknown - unknowns.num_gains();
+  }
+  Eigen::VectorXd Gains(const Eigen::VectorXd& theta) const { return unknowns.Gains(theta); }
+
+ private:
+  std::shared_ptr<const std::vector<BundleSample>> samples_ = std::make_shared<const std::vector<BundleSample>>();
+  RowMajorMatrix effects_;
 };
 
-// One pass over the identification recordings, of a study with known or with unknown gains. BadInput: as
+// One pass over the identification recordings, of a model with known or with unknown gains. BadInput: as
 // BuildGainSystem where gains are unknown; a prior on a parameter that is not among the unknowns.
 Result<BundleData> BuildBundleData(const PreparedStudy& prepared);
 
-// The same for a study whose effects alone have changed since `before` was built, without a pass over the recordings.
+// The same for a model whose effects alone have changed since `before` was built, without a pass over the recordings.
 // Its priors are on unknowns that are there (CHECK).
 BundleData WithEffectsOf(const PreparedStudy& prepared, const BundleData& before);
 
@@ -114,7 +130,7 @@ class StateDerivatives {
   RigidBodyDerivatives dynamics_;
   std::vector<DriveEntry> drive_entries_;
   std::vector<InertialEntry> base_entries_;
-  std::vector<std::vector<InertialEntry>> payload_entries_;  // of each payload of the study
+  std::vector<std::vector<InertialEntry>> payload_entries_;  // of each payload of the model
   std::vector<InertialVector> inertials_;
   std::vector<double> regressor_;  // n x 10n
 };

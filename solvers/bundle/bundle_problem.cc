@@ -70,9 +70,11 @@ void BundleProblem::HoldFriction(const VectorXd& theta) {
 }
 
 // Lazy products and loops: these matrices are smaller than what a blocked product costs to begin.
-double BundleProblem::Whiten(const BundleSample& sample) {
+double BundleProblem::Whiten(size_t k) {
+  const BundleSample& sample = data_.samples()[k];
+  const RowMajorMatrix& columns = data_.Columns(k, &columns_);
   const int n = data_.dof, c = data_.num_unknowns();
-  for (int i = 0; i < n; ++i) torque_[i] = sample.known[i] + sample.columns.row(i).dot(chi_);
+  for (int i = 0; i < n; ++i) torque_[i] = sample.known[i] + columns.row(i).dot(chi_);
   signal_ = drive_.lazyProduct(torque_);
   residual_ = sample.signal - signal_;
   derivatives_.Torque(sample, chi_, &d_);
@@ -95,7 +97,7 @@ double BundleProblem::Whiten(const BundleSample& sample) {
   // The latent's best value, and the derivative of the residual by the unknowns there.
   deviation_ = cb_.lazyProduct(weighted_);
   derivatives_.Columns(sample, deviation_, &change_);
-  change_ += sample.columns;
+  change_ += columns;
   whitened_drive_ = factor_.lazyProduct(drive_);
   const int gains = data_.num_gains();
   for (int i = 0; i < n; ++i) {
@@ -168,8 +170,8 @@ BundleProblem::Evaluation BundleProblem::Evaluate(const VectorXd& theta, const V
   result.squares = result.spread = result.weight = VectorXd::Zero(data_.dof);
   Set(theta, sigma);
   double cost = 0.0;
-  for (const BundleSample& sample : data_.samples) {
-    const double s = Whiten(sample);
+  for (size_t k = 0; k < data_.samples().size(); ++k) {
+    const double s = Whiten(k);
     const double weight = loss_.Weight(s);
     cost += loss_.Cost(s);
     for (int j = 0; j < data_.dof; ++j) {
@@ -195,10 +197,10 @@ BundleProblem::Evaluation BundleProblem::Evaluate(const VectorXd& theta, const V
 BundleProblem::Rows BundleProblem::Linearize(const VectorXd& theta, const VectorXd& sigma) {
   Rows result;
   const Index n = data_.dof;
-  result.rows.resize(n * static_cast<Index>(data_.samples.size()), data_.num_unknowns() + 1);
+  result.rows.resize(n * static_cast<Index>(data_.samples().size()), data_.num_unknowns() + 1);
   Set(theta, sigma);
-  for (size_t k = 0; k < data_.samples.size(); ++k) {
-    Whiten(data_.samples[k]);
+  for (size_t k = 0; k < data_.samples().size(); ++k) {
+    Whiten(k);
     result.rows.middleRows(n * static_cast<Index>(k), n) = rows_;
     result.of_torque.push_back(whitened_drive_);
   }
@@ -206,7 +208,7 @@ BundleProblem::Rows BundleProblem::Linearize(const VectorXd& theta, const Vector
 }
 
 VectorXd BundleProblem::NextSigma(const Evaluation& at) const {
-  const double samples = static_cast<double>(data_.samples.size());
+  const double samples = static_cast<double>(data_.samples().size());
   // Unknowns are shared between joints; each joint bears its part of the freedom they take.
   const double freedom = samples - static_cast<double>(data_.num_unknowns()) / data_.dof;
   const VectorXd mean_square =
@@ -220,7 +222,7 @@ MatrixXd BundleProblem::NoiseInformation(const VectorXd& theta, const VectorXd& 
   const int n = data_.dof, c = data_.num_unknowns(), gains = data_.num_gains();
   MatrixXd sum = MatrixXd::Zero(c, c);
   Set(theta, sigma);
-  const size_t count = data_.samples.size();
+  const size_t count = data_.samples().size();
   const size_t step = std::max<size_t>(1, count / static_cast<size_t>(max_samples));
   std::vector<MatrixXd> states;
   for (size_t r = 0; r < data_.state_covariance.size(); ++r)
@@ -228,8 +230,8 @@ MatrixXd BundleProblem::NoiseInformation(const VectorXd& theta, const VectorXd& 
   RowMajorMatrix rows(3 * n * n, c);
   double used = 0.0;
   for (size_t k = step / 2; k < count; k += step, used += 1.0) {
-    const BundleSample& sample = data_.samples[k];
-    Whiten(sample);
+    const BundleSample& sample = data_.samples()[k];
+    Whiten(k);
     const MatrixXd half = factor_ * cb_.transpose();
     // Units of q, dq and ddq differ by orders of magnitude.
     const VectorXd scale = states[static_cast<size_t>(sample.recording)].diagonal().cwiseSqrt().cwiseMax(1e-300);
@@ -257,16 +259,16 @@ VectorXd BundleProblem::ScoreSum(const VectorXd& theta, const VectorXd& sigma, s
   Set(theta, sigma);
   VectorXd sum = VectorXd::Zero(c);
   double used = 0.0;
-  for (size_t k = step / 2; k < data_.samples.size(); k += step, used += 1.0) {
-    const double weight = loss_.Weight(Whiten(data_.samples[k]));
+  for (size_t k = step / 2; k < data_.samples().size(); k += step, used += 1.0) {
+    const double weight = loss_.Weight(Whiten(k));
     sum.noalias() += weight * (rows_.leftCols(c).transpose() * half_);
   }
-  return sum * (static_cast<double>(data_.samples.size()) / std::max(used, 1.0));
+  return sum * (static_cast<double>(data_.samples().size()) / std::max(used, 1.0));
 }
 
 MatrixXd BundleProblem::ScoreByVariance(const VectorXd& theta, const VectorXd& sigma, int max_samples) {
   constexpr double kStep = 1e-3;  // of the variance
-  const size_t step = std::max<size_t>(1, data_.samples.size() / static_cast<size_t>(max_samples));
+  const size_t step = std::max<size_t>(1, data_.samples().size() / static_cast<size_t>(max_samples));
   MatrixXd result(data_.num_unknowns(), data_.dof);
   for (int j = 0; j < data_.dof; ++j) {
     const auto at = [&](double share) {
@@ -282,15 +284,15 @@ MatrixXd BundleProblem::ScoreByVariance(const VectorXd& theta, const VectorXd& s
 BundleProblem::Sensitivity BundleProblem::Scores(const VectorXd& theta, const VectorXd& sigma) {
   const int c = data_.num_unknowns();
   Sensitivity result;
-  const double count = static_cast<double>(data_.samples.size());
+  const double count = static_cast<double>(data_.samples().size());
   const double scale = count / (loss_.Consistency(data_.dof) * (count - static_cast<double>(c) / data_.dof));
-  result.scores.resize(static_cast<Index>(data_.samples.size()), c);
+  result.scores.resize(static_cast<Index>(data_.samples().size()), c);
   result.variances.resize(result.scores.rows(), data_.dof);
   VectorXd shares = VectorXd::Zero(data_.dof);
   TriangularFactor factor(c + 1);
   Set(theta, sigma);
-  for (size_t k = 0; k < data_.samples.size(); ++k) {
-    const double s = Whiten(data_.samples[k]);
+  for (size_t k = 0; k < data_.samples().size(); ++k) {
+    const double s = Whiten(k);
     const double weight = loss_.Weight(s);
     for (int j = 0; j < data_.dof; ++j) {
       const double share = std::pow(variance_[j] / (variance_[j] + rest_[j]), 2);

@@ -84,8 +84,8 @@ class BundleProblem {
  private:
   // What all samples have in common at these unknowns and weights.
   void Set(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma);
-  // The whitened rows V^-1/2 [J | r] of one sample into rows_; returns r' V^-1 r. Allocates nothing.
-  double Whiten(const BundleSample& sample);
+  // The whitened rows V^-1/2 [J | r] of sample k into rows_; returns r' V^-1 r. Allocates nothing.
+  double Whiten(size_t k);
   Eigen::VectorXd ScoreSum(const Eigen::VectorXd& theta, const Eigen::VectorXd& sigma, size_t step);
   void AddSignVariance(const BundleSample& sample);
   void InvertFactor();
@@ -102,7 +102,7 @@ class BundleProblem {
   // Of the last sample.
   Eigen::VectorXd torque_, signal_, residual_, spread_, rest_, half_, weighted_, deviation_, lower_;
   Eigen::MatrixXd d_, b_, cb_, v_, factor_, whitened_drive_;  // factor_: L^-1 of V = L L'
-  RowMajorMatrix change_, rows_;
+  RowMajorMatrix columns_, change_, rows_;
   double log_determinant_ = 0.0;  // of V
 };
 

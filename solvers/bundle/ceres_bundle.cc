@@ -17,11 +17,12 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using RowMajorMatrix = TorqueResidual::RowMajorMatrix;
 
-ceres::CostFunction* MakeTorqueResidual(const BundleData& data, const BundleSample& sample, const VectorXd& sigma,
+ceres::CostFunction* MakeTorqueResidual(const BundleData& data, size_t k, const VectorXd& sigma,
                                         StateDerivatives* derivatives) {
   const int n = data.dof, c = data.num_columns();
-  RowMajorMatrix columns(n, c + 1);
-  columns << sample.columns, sample.known;
+  const BundleSample& sample = data.samples()[k];
+  RowMajorMatrix columns(n, c + 1), scratch;
+  columns << data.Columns(k, &scratch), sample.known;
   // What is left of D(chi) at chi = 0 is of the known payload.
   MatrixXd of_known;
   derivatives->Torque(sample, VectorXd::Zero(c), &of_known);
@@ -86,7 +87,7 @@ CeresBundleSummary SolveCeresBundle(const BaseParameters& base, const BundleData
   }
 
   VectorXd theta = start;
-  RowMajorMatrix deviations = RowMajorMatrix::Zero(data.samples.size(), 3 * data.dof);
+  RowMajorMatrix deviations = RowMajorMatrix::Zero(data.samples().size(), 3 * data.dof);
   std::unique_ptr<ceres::LossFunction> loss;
   if (options.huber_threshold > 0.0) loss = std::make_unique<ceres::HuberLoss>(options.huber_threshold);
   // Declared after `loss`, so that it goes first; cost functions are its own, the shared ones too.
@@ -97,11 +98,11 @@ CeresBundleSummary SolveCeresBundle(const BaseParameters& base, const BundleData
   ordering->AddElementToGroup(theta.data(), 1);
   std::vector<ceres::CostFunction*> joint_data(data.state_covariance.size(), nullptr);
   StateDerivatives derivatives(base, data);
-  for (size_t k = 0; k < data.samples.size(); ++k) {
-    const BundleSample& sample = data.samples[k];
+  for (size_t k = 0; k < data.samples().size(); ++k) {
+    const BundleSample& sample = data.samples()[k];
     double* deviation = deviations.row(static_cast<Eigen::Index>(k)).data();
-    problem.AddResidualBlock(MakeTorqueResidual(data, sample, options.signal_sigma, &derivatives), loss.get(),
-                             theta.data(), deviation);
+    problem.AddResidualBlock(MakeTorqueResidual(data, k, options.signal_sigma, &derivatives), loss.get(), theta.data(),
+                             deviation);
     ceres::CostFunction*& prior = joint_data[sample.recording];
     if (prior == nullptr) prior = JointStateResidual::Create(data.state_covariance[sample.recording]);
     problem.AddResidualBlock(prior, nullptr, deviation);

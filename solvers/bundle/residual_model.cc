@@ -48,12 +48,12 @@ ResidualModel::Explanation Solve(const MatrixXd& gram, const VectorXd& scores) {
 
 }  // namespace
 
-ResidualModel::ResidualModel(const PreparedStudy& prepared, const BundleData& data, const BundleSummary& summary,
+ResidualModel::ResidualModel(const BaseParameters& base, const BundleData& data, const BundleSummary& summary,
                              int folds)
     : dof_(data.dof), recordings_(RecordingsOf(data)), folds_(folds) {
   CHECK(summary.IsSolutionUsable()) << summary.status.message();
   CHECK_GE(folds, 2);
-  BundleProblem problem(prepared.base, data, data.priors, HuberNorm{});
+  BundleProblem problem(base, data, data.priors, HuberNorm{});
   problem.HoldFriction(summary.values);
   BundleProblem::Rows rows = problem.Linearize(summary.values, summary.signal_sigma);
   const Index c = data.num_unknowns();
@@ -68,7 +68,7 @@ ResidualModel::ResidualModel(const PreparedStudy& prepared, const BundleData& da
   drive_ = gains.cwiseInverse().asDiagonal() * data.inverse_drive;
   for (Index k = 0; k < samples(); ++k) {
     to_torque_.push_back(of_torque_[static_cast<size_t>(k)].inverse());
-    torque_.row(k) = data.inverse_drive.inverse() * gains.cwiseProduct(data.samples[static_cast<size_t>(k)].signal);
+    torque_.row(k) = data.inverse_drive.inverse() * gains.cwiseProduct(data.samples()[static_cast<size_t>(k)].signal);
   }
   SetFolds();
 }

@@ -21,7 +21,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/model/prepared_study.h"
+#include "core/dynamics/base_parameters.h"
 #include "core/statistics/long_run_covariance.h"
 #include "solvers/bundle/bundle.h"
 #include "solvers/bundle/bundle_data.h"
@@ -31,7 +31,7 @@ namespace idim {
 class ResidualModel {
  public:
   // summary: usable, of `data` of `prepared` (CHECK).
-  ResidualModel(const PreparedStudy& prepared, const BundleData& data, const BundleSummary& summary, int folds = 8);
+  ResidualModel(const BaseParameters& base, const BundleData& data, const BundleSummary& summary, int folds = 8);
 
   int dof() const { return dof_; }
   Eigen::Index samples() const { return static_cast<Eigen::Index>(of_torque_.size()); }

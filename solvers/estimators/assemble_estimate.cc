@@ -2,89 +2,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/model/active_effects.h"
-#include "core/model/payload_unknowns.h"
 #include "core/model/prediction.h"
 
 namespace idim {
+namespace {
 
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
-Status CheckValidationPayloads(const Study& study) {
-  for (const RecordingEntry& entry : study.recordings) {
-    if (entry.use == Use::kIdentification || entry.payload < 0) continue;
-    bool carried = false, known = true;
-    for (const RecordingEntry& other : study.recordings) {
-      carried |= other.use == Use::kIdentification && other.payload == entry.payload;
-    }
-    for (const auto& value : study.payloads[entry.payload].known) known &= value.has_value();
-    if (carried || known) continue;
-    return Status::BadInput(study.path + ": recording '" + entry.name + "' is for validation and carries payload '" +
-                            study.payloads[entry.payload].name +
-                            "', whose unknown parameters no identification recording can tell; expected an "
-                            "identification recording with it, or all ten parameters known");
-  }
-  return Status::Ok();
-}
-
-Estimate BeginEstimate(const PreparedStudy& prepared, const Status& status, const std::string& estimator) {
-  Estimate estimate;
-  estimate.status = status;
-  estimate.robot = prepared.study.robot.name;
-  estimate.estimator = estimator;
-  estimate.without_effect = prepared.base.without_effect();
-  estimate.velocity_zero_at_rest = prepared.velocity_zero_at_rest;
-  estimate.position_noise = prepared.position_noise;
-  estimate.cutoff_hz = prepared.preprocessing.cutoff_hz;
-  estimate.decimation = prepared.preprocessing.decimation;
-  estimate.preprocessing = prepared.preprocessing.reason;
-  return estimate;
-}
-
-void SetParameters(const PreparedStudy& prepared, const std::vector<Parameter>& unknowns, const VectorXd& values,
-                   const MatrixXd& covariance, double degrees_of_freedom, int first_base,
-                   const std::vector<std::string>& eliminated, Estimate* estimate) {
-  const VectorXd shapes = ShapeOffsets(prepared);
+// Those that are kept, with their covariances.
+void SetParameters(const PreparedStudy& prepared, const FitSummary& fit, Estimate* estimate) {
+  const Unknowns& unknowns = fit.unknowns;
   std::vector<int> kept;
-  for (int k = 0; k < static_cast<int>(unknowns.size()); ++k) {
+  for (int k = 0; k < unknowns.size(); ++k) {
+    const auto& eliminated = estimate->eliminated;
     if (std::find(eliminated.begin(), eliminated.end(), unknowns[k].name) != eliminated.end()) continue;
     ParameterEstimate p;
     p.parameter = unknowns[k];
-    const int effect = k - first_base - prepared.base.size();
-    p.value = values[k] + (effect >= 0 && effect < shapes.size() ? shapes[effect] : 0.0);
-    p.standard_deviation = std::sqrt(covariance(k, k));
-    SetInterval95(degrees_of_freedom, &p);
-    const int base = k - first_base;
-    if (base >= 0 && base < prepared.base.size()) p.regrouping = prepared.base.regroupings()[base];
+    p.value = fit.values[k] + unknowns.Offset(k);
+    p.standard_deviation = std::sqrt(fit.covariance(k, k));
+    if (fit.model_covariance.size() > 0) p.model_standard_deviation = std::sqrt(fit.model_covariance(k, k));
+    SetInterval95(fit.degrees_of_freedom, &p, fit.interval_factor);
+    const int base = k - unknowns.first_base();
+    if (base >= 0 && base < unknowns.num_base()) {
+      p.regrouping = prepared.base().regroupings()[static_cast<size_t>(base)];
+    }
     estimate->parameters.push_back(p);
     kept.push_back(k);
   }
-  estimate->covariance.resize(kept.size(), kept.size());
-  for (size_t a = 0; a < kept.size(); ++a) {
-    for (size_t b = 0; b < kept.size(); ++b) estimate->covariance(a, b) = covariance(kept[a], kept[b]);
-  }
-}
-
-ArmParameters ArmOf(const PreparedStudy& prepared, const Study& study, const VectorXd& gains, const VectorXd& values,
-                    int first_base, const PayloadColumns& columns) {
-  ArmParameters arm;
-  arm.gains = gains;
-  arm.chi = values.segment(first_base, prepared.num_columns());
-  for (int p = 0; p < static_cast<int>(study.payloads.size()); ++p) {
-    InertialVector body = KnownPayload(study, p);
-    for (int k = 0; k < kNumInertial; ++k) {
-      if (columns[p][k] >= 0) body[k] = values[columns[p][k]];
-    }
-    arm.payloads.push_back(body);
-  }
-  return arm;
+  estimate->covariance = fit.covariance(kept, kept);
+  if (fit.model_covariance.size() > 0) estimate->model_covariance = fit.model_covariance(kept, kept);
 }
 
 void PredictAll(const PreparedStudy& prepared, const ArmParameters& arm, Identification* result) {
   const StatedModel stated = AsStated(prepared, arm);
-  for (const ActiveEffect& active : stated.prepared.effects) {
+  for (const ActiveEffect& active : stated.prepared.model.effects) {
     EstimatedEffect effect{active.effect->id(), active.joints};
     const std::vector<ShapeParameter> shapes = ShapesAlong(prepared, *active.effect, active.joints);
     for (size_t s = 0; s < shapes.size(); ++s) {
@@ -92,24 +44,56 @@ void PredictAll(const PreparedStudy& prepared, const ArmParameters& arm, Identif
     }
     result->estimate.effects.push_back(std::move(effect));
   }
-  for (const PreparedRecording& recording : stated.prepared.recordings) {
-    result->series.push_back(Predict(stated.prepared, recording, stated.arm));
+  for (int r = 0; r < static_cast<int>(prepared.data->recordings.size()); ++r) {
+    result->series.push_back(Predict(stated.prepared, r, stated.arm));
     result->estimate.recordings.push_back(FitOf(result->series.back()));
   }
   result->estimate.relative_error_percent = RelativeErrorPercent(result->series);
-  result->estimate.signal_noise = SignalDeviation(prepared.study, arm.gains, result->series);
+  result->estimate.signal_noise = SignalDeviation(prepared.data->drive, arm.gains, result->series);
 }
 
-void SetModelCovariance(const std::vector<Parameter>& unknowns, const MatrixXd& covariance, Estimate* estimate) {
-  std::vector<int> kept;
-  for (ParameterEstimate& p : estimate->parameters) {
-    for (int k = 0; k < static_cast<int>(unknowns.size()); ++k) {
-      if (unknowns[k].name != p.parameter.name) continue;
-      kept.push_back(k);
-      p.model_standard_deviation = std::sqrt(covariance(k, k));
-    }
+}  // namespace
+
+Status CheckValidationPayloads(const PreparedStudy& prepared) {
+  const Model& model = prepared.model;
+  for (const int r : model.RecordingsFor(Use::kValidation)) {
+    const int carried = model.roles[static_cast<size_t>(r)].payload;
+    if (carried < 0 || model.IsCarried(carried)) continue;
+    const Payload& payload = model.payloads[static_cast<size_t>(carried)];
+    bool known = true;
+    for (const auto& value : payload.known) known &= value.has_value();
+    if (known) continue;
+    return Status::BadInput(prepared.path() + ": recording '" +
+                            prepared.data->recordings[static_cast<size_t>(r)].entry.name +
+                            "' is for validation and carries payload '" + payload.name +
+                            "', whose unknown parameters no identification recording can tell; expected an "
+                            "identification recording with it, or all ten parameters known");
   }
-  estimate->model_covariance = covariance(kept, kept);
+  return Status::Ok();
+}
+
+Estimate BeginEstimate(const PreparedStudy& prepared, const Status& status, const std::string& estimator) {
+  const Data& data = *prepared.data;
+  Estimate estimate;
+  estimate.status = status;
+  estimate.robot = data.robot().name;
+  estimate.estimator = estimator;
+  estimate.without_effect = prepared.base().without_effect();
+  estimate.velocity_zero_at_rest = data.velocity_zero_at_rest;
+  estimate.position_noise = data.position_noise;
+  estimate.cutoff_hz = data.preprocessing.cutoff_hz;
+  estimate.decimation = data.preprocessing.decimation;
+  estimate.preprocessing = data.preprocessing.reason;
+  return estimate;
+}
+
+Identification ToIdentification(const PreparedStudy& prepared, const FitSummary& fit) {
+  Identification result;
+  result.estimate = fit.header;
+  if (fit.values.size() == 0) return result;
+  SetParameters(prepared, fit, &result.estimate);
+  PredictAll(prepared, fit.unknowns.Arm(fit.values), &result);
+  return result;
 }
 
 GainDiagnosis DescribeGain(const GainVerdict& verdict) {

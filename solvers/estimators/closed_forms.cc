@@ -1,128 +1,171 @@
 #include "solvers/estimators/closed_forms.h"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
+#include <glog/logging.h>
 
-#include "core/model/observation_stream.h"
-#include "core/model/payload_unknowns.h"
+#include <string>
+#include <vector>
+
+#include "core/model/sample_stream.h"
 #include "solvers/estimators/assemble_estimate.h"
+#include "solvers/estimators/estimator.h"
+#include "solvers/linear/least_squares.h"
 
 namespace idim {
+
+void AddClosedForms(std::vector<const Estimator*>* estimators);  // registry.cc
+
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-void AddRecording(const PreparedStudy& prepared, const PreparedRecording& recording, const PayloadColumns& columns,
-                  LinearSystem* system) {
-  const Study& study = prepared.study;
-  const int n = study.robot.dof();
-  const int payload = recording.entry.payload;
-  const InertialVector known = KnownPayload(study, payload);
-  const int torque = static_cast<int>(system->unknowns.size());
+void AddRecording(const PreparedStudy& prepared, const Unknowns& unknowns, int recording, LinearSystem* system) {
+  const int n = unknowns.dof(), torque = unknowns.num_columns();
   Observation::RowMajorMatrix rows = Observation::RowMajorMatrix::Zero(n, torque + 1);
-  StreamObservations(prepared, recording, [&](const Observation& observation) {
-    rows.leftCols(prepared.num_columns()) = observation.columns;
-    for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
-      const int column = columns[payload][k];
-      if (column >= 0) rows.col(column) = observation.payload.col(k);
-    }
-    const MatrixXd signal = observation.signal.transpose();
-    rows.col(torque) = JointTorque(study, study.gains, signal).transpose();
-    rows.col(torque) -= observation.payload * known;
+  StreamSamples(prepared, unknowns, recording, [&](const Sample& sample) {
+    rows.leftCols(torque) = sample.columns;
+    const MatrixXd signal = sample.signal.transpose();
+    rows.col(torque) = prepared.data->drive.Torque(prepared.model.gains, signal).transpose();
+    rows.col(torque) -= sample.known;
     for (int j = 0; j < n; ++j) system->joints[j].AddRow(rows.row(j));
   });
 }
 
-// n x n: torque of the joints = map * signal of the drives.
-MatrixXd TorqueOfSignal(const Study& study, const VectorXd& gains) {
-  const int n = study.robot.dof();
-  return JointTorque(study, gains, MatrixXd::Identity(n, n)).transpose();
-}
-
 // Standard deviation of each joint's torque by the a priori noise of the signals, at the recorded rate; empty where
-// the study has none. Decimation divides that of all joints by the same number, and only ratios count as weights.
-VectorXd APrioriSigma(const Study& study) {
-  if (study.signal_noise.size() == 0) return VectorXd();
-  return (TorqueOfSignal(study, study.gains).cwiseAbs2() * study.signal_noise.cwiseAbs2()).cwiseSqrt();
+// there is none. Decimation divides that of all joints by the same number, and only ratios count as weights.
+VectorXd APrioriSigma(const Data& data, const VectorXd& gains) {
+  const VectorXd& noise = data.request.signal_noise;
+  if (noise.size() == 0) return VectorXd();
+  return (data.drive.Matrix(gains).cwiseAbs2() * noise.cwiseAbs2()).cwiseSqrt();
 }
 
 // n x columns: the same for each column of a GainSystem, of which the signals' alone are noisy. Again only ratios
 // count.
-MatrixXd APrioriColumnNoise(const Study& study, size_t columns) {
-  if (study.signal_noise.size() == 0) return MatrixXd();
-  const int n = study.robot.dof();
-  MatrixXd noise = MatrixXd::Zero(n, static_cast<Eigen::Index>(columns));
-  noise.leftCols(n) = TorqueOfSignal(study, VectorXd::Ones(n)).cwiseAbs() * study.signal_noise.asDiagonal();
+MatrixXd APrioriColumnNoise(const Data& data, int columns) {
+  const VectorXd& of_signal = data.request.signal_noise;
+  if (of_signal.size() == 0) return MatrixXd();
+  const int n = data.drive.dof();
+  MatrixXd noise = MatrixXd::Zero(n, columns);
+  noise.leftCols(n) = data.drive.Matrix().cwiseAbs() * of_signal.asDiagonal();
   return noise;
+}
+
+// The model with its gains taken for known, where they are values to be taken.
+Model WithKnownGains(const Model& model) {
+  Model known = model;
+  known.gains_mode = GainsMode::kKnown;
+  return known;
 }
 
 }  // namespace
 
 LinearFit FitLinear(const PreparedStudy& prepared, const LinearOptions& options) {
   LinearFit fit;
-  fit.unknowns = prepared.parameters();
-  fit.payload_columns = AppendPayloadUnknowns(prepared.study, &fit.unknowns);
-  LinearSystem system(fit.unknowns, prepared.study.robot.dof());
-  for (const PreparedRecording& recording : prepared.recordings) {
-    if (recording.entry.use == Use::kIdentification) AddRecording(prepared, recording, fit.payload_columns, &system);
+  fit.unknowns = Unknowns(WithKnownGains(prepared.model), UncertainPayload::kExact);
+  LinearSystem system(fit.unknowns.parameters(), fit.unknowns.dof());
+  for (const int r : prepared.model.RecordingsFor(Use::kIdentification)) {
+    AddRecording(prepared, fit.unknowns, r, &system);
   }
   LinearOptions used = options;
-  if (used.a_priori_sigma.size() == 0) used.a_priori_sigma = APrioriSigma(prepared.study);
+  if (used.a_priori_sigma.size() == 0) used.a_priori_sigma = APrioriSigma(*prepared.data, prepared.model.gains);
   fit.summary = SolveLinear(system, used);
   return fit;
 }
 
-Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const LinearOptions& options) {
-  const Study& study = prepared.study;
-  if (study.gains_mode == GainsMode::kIdentify) {
-    return Status::BadInput(study.path +
+Result<FitSummary> SummarizeLinear(const PreparedStudy& prepared, const LinearOptions& options) {
+  if (prepared.model.IdentifiesGains()) {
+    return Status::BadInput(prepared.path() +
                             ": key 'gains.mode': 'identify' asks for drive gains, which this estimator "
                             "takes as known; expected 'known' with values");
   }
-  if (Status status = CheckValidationPayloads(study); !status.ok()) return status;
-  const auto [unknowns, columns, summary] = FitLinear(prepared, options);
+  if (Status status = CheckValidationPayloads(prepared); !status.ok()) return status;
+  const auto [unknowns, summary] = FitLinear(prepared, options);
+  FitSummary fit;
+  fit.unknowns = unknowns;
+  fit.header = BeginEstimate(prepared, summary.status, options.weighted ? "wls" : "ls");
+  if (!summary.IsSolutionUsable()) return fit;
+  fit.header.eliminated = summary.eliminated;
+  fit.header.condition_number = summary.condition_number;
+  fit.header.condition_number_weighted = summary.condition_number_solved;
+  fit.values = summary.values;
+  fit.covariance = summary.covariance;
+  fit.degrees_of_freedom = static_cast<double>(summary.degrees_of_freedom);
+  return fit;
+}
 
-  Identification result;
-  Estimate& estimate = result.estimate;
-  estimate = BeginEstimate(prepared, summary.status, options.weighted ? "wls" : "ls");
-  if (!summary.IsSolutionUsable()) return result;
-  SetParameters(prepared, unknowns, summary.values, summary.covariance, static_cast<double>(summary.degrees_of_freedom),
-                0, summary.eliminated, &estimate);
-  estimate.eliminated = summary.eliminated;
-  estimate.condition_number = summary.condition_number;
-  estimate.condition_number_weighted = summary.condition_number_solved;
-  PredictAll(prepared, ArmOf(prepared, study, study.gains, summary.values, 0, columns), &result);
-  return result;
+Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const LinearOptions& options) {
+  const Result<FitSummary> fit = SummarizeLinear(prepared, options);
+  if (!fit.ok()) return fit.status();
+  return ToIdentification(prepared, *fit);
+}
+
+Result<FitSummary> SummarizeGains(const PreparedStudy& prepared, const GainSystem& system, const GainOptions& options) {
+  if (Status status = CheckValidationPayloads(prepared); !status.ok()) return status;
+  FitSummary fit;
+  fit.unknowns = Unknowns(prepared.model, UncertainPayload::kExact);
+  GainOptions used = options;
+  if (used.column_noise.size() == 0) used.column_noise = APrioriColumnNoise(*prepared.data, fit.unknowns.size() + 1);
+  const GainSummary summary = SolveGains(system, used);
+
+  fit.header = BeginEstimate(prepared, summary.status, GainEstimatorName(options.estimator));
+  for (const GainVerdict& verdict : summary.verdicts) fit.header.gain_diagnoses.push_back(DescribeGain(verdict));
+  fit.header.singular_values = summary.singular_values;
+  if (summary.values.size() == 0) return fit;
+  fit.header.eliminated = summary.eliminated;
+  fit.header.condition_number = summary.condition_number;
+  fit.header.condition_number_weighted = summary.condition_number_solved;
+  fit.values = summary.values;
+  fit.covariance = summary.covariance;
+  fit.degrees_of_freedom = static_cast<double>(summary.degrees_of_freedom);
+  return fit;
 }
 
 Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSystem& system,
                                      const GainOptions& options) {
-  const Study& study = prepared.study;
-  if (Status status = CheckValidationPayloads(study); !status.ok()) return status;
-  const int n = study.robot.dof();
-  std::vector<Parameter> unknowns = GainParameters(n);
-  const std::vector<Parameter> of_model = prepared.parameters();
-  unknowns.insert(unknowns.end(), of_model.begin(), of_model.end());
-  const PayloadColumns columns = AppendPayloadUnknowns(study, &unknowns);
-  GainOptions used = options;
-  if (used.column_noise.size() == 0) used.column_noise = APrioriColumnNoise(study, unknowns.size() + 1);
-  const GainSummary summary = SolveGains(system, used);
+  const Result<FitSummary> fit = SummarizeGains(prepared, system, options);
+  if (!fit.ok()) return fit.status();
+  return ToIdentification(prepared, *fit);
+}
 
-  Identification result;
-  Estimate& estimate = result.estimate;
-  estimate = BeginEstimate(prepared, summary.status, GainEstimatorName(options.estimator));
-  for (const GainVerdict& verdict : summary.verdicts) estimate.gain_diagnoses.push_back(DescribeGain(verdict));
-  estimate.singular_values = summary.singular_values;
-  if (summary.values.size() == 0) return result;
-  SetParameters(prepared, unknowns, summary.values, summary.covariance, static_cast<double>(summary.degrees_of_freedom),
-                n, summary.eliminated, &estimate);
-  estimate.eliminated = summary.eliminated;
-  estimate.condition_number = summary.condition_number;
-  estimate.condition_number_weighted = summary.condition_number_solved;
-  PredictAll(prepared, ArmOf(prepared, study, summary.values.head(n), summary.values, n, columns), &result);
-  return result;
+namespace {
+
+// Least squares where gains are known, and least or total least squares where they are identified.
+class ClosedForm : public Estimator {
+ public:
+  explicit ClosedForm(GainEstimator estimator) : estimator_(estimator) {}
+
+  std::string name() const override { return GainEstimatorName(estimator_); }
+  bool Takes(GainsMode mode) const override {
+    return mode == GainsMode::kIdentify || estimator_ == GainEstimator::kLs || estimator_ == GainEstimator::kWls;
+  }
+  bool IsValid(const EstimatorOptions& options, std::string* error) const override {
+    return IsValidEssentialRatio(options.essential_ratio, error);
+  }
+  Result<FitSummary> Fit(const PreparedStudy& prepared, const GainSystem* system,
+                         const EstimatorOptions& options) const override {
+    if (prepared.model.IdentifiesGains()) {
+      GainOptions gains;
+      gains.estimator = estimator_;
+      gains.essential_ratio = options.essential_ratio;
+      return SummarizeGains(prepared, *CHECK_NOTNULL(system), gains);
+    }
+    LinearOptions linear;
+    linear.weighted = estimator_ == GainEstimator::kWls;
+    linear.essential_ratio = options.essential_ratio;
+    return SummarizeLinear(prepared, linear);
+  }
+
+ private:
+  const GainEstimator estimator_;
+};
+
+}  // namespace
+
+void AddClosedForms(std::vector<const Estimator*>* estimators) {
+  for (const GainEstimator estimator : {GainEstimator::kLs, GainEstimator::kWls, GainEstimator::kTls,
+                                        GainEstimator::kWtls, GainEstimator::kGtls, GainEstimator::kWgtls}) {
+    estimators->push_back(new ClosedForm(estimator));
+  }
 }
 
 }  // namespace idim

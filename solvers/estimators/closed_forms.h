@@ -6,34 +6,33 @@
 #ifndef IDIM_SOLVERS_ESTIMATORS_CLOSED_FORMS_H_
 #define IDIM_SOLVERS_ESTIMATORS_CLOSED_FORMS_H_
 
-#include <vector>
-
 #include "core/base/status.h"
-#include "core/model/payload_unknowns.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
+#include "core/model/unknowns.h"
+#include "solvers/estimators/fit_summary.h"
 #include "solvers/estimators/identification.h"
 #include "solvers/linear/gain_identification.h"
 #include "solvers/linear/linear_identification.h"
 
 namespace idim {
 
-// LS or WLS with known drive gains, without predictions.
+// LS or WLS with known drive gains (of the model, whatever its mode). WLS rows are weighted by the a priori signal
+// noise where the data have one. What the data cannot tell is in the summary's status.
 struct LinearFit {
-  std::vector<Parameter> unknowns;
-  PayloadColumns payload_columns;
+  Unknowns unknowns;
   LinearSummary summary;
 };
 LinearFit FitLinear(const PreparedStudy& prepared, const LinearOptions& options);
 
-// LS or WLS with known drive gains; WLS rows weighted by the study's a priori signal noise where it has one. BadInput:
-// unknown gains, a validation payload that no identification recording carries. What the data cannot tell is in
-// estimate.status.
+// The same as an answer. BadInput: unknown gains, a validation payload that no identification recording carries.
+Result<FitSummary> SummarizeLinear(const PreparedStudy& prepared, const LinearOptions& options);
 Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const LinearOptions& options);
 
 // Drive gains and parameters together. system: of the same study (BuildGainSystem), so that several estimators share
 // one pass over the data. Scaled total least squares takes the columns' noise from options.column_noise, else from the
-// study's a priori signal noise, else from the data. A status that is not ok comes with the numbers where there are
-// any: to be shown, not to be used.
+// a priori signal noise, else from the data. A status that is not ok comes with the numbers where there are any: to be
+// shown, not to be used.
+Result<FitSummary> SummarizeGains(const PreparedStudy& prepared, const GainSystem& system, const GainOptions& options);
 Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSystem& system,
                                      const GainOptions& options);
 

@@ -10,13 +10,17 @@
 
 #include "core/base/decompositions.h"
 #include "core/base/text.h"
-#include "core/model/payload_unknowns.h"
+#include "core/model/unknowns.h"
 #include "solvers/estimators/assemble_estimate.h"
 #include "solvers/estimators/closed_forms.h"
+#include "solvers/estimators/estimator.h"
 #include "solvers/linear/gain_identification.h"
 #include "solvers/linear/least_squares.h"
 
 namespace idim {
+
+void AddEiv(std::vector<const Estimator*>* estimators);  // registry.cc
+
 namespace {
 
 using Eigen::Index;
@@ -81,32 +85,33 @@ std::vector<Start> GainStarts(const GainSystem& system, const BundleData& data, 
   return starts;
 }
 
-// The best of several starts. *story: which was taken, and whether others end elsewhere.
+// The best of several starts. *report: which was taken, and whether others end elsewhere.
 BundleSummary SolveFrom(const std::vector<Start>& starts, const PreparedStudy& prepared, const BundleData& data,
-                        const BundleOptions& options, std::string* story) {
+                        const BundleOptions& options, std::string* report) {
   std::vector<BundleSummary> summaries;
   size_t best = 0;
   for (const Start& start : starts) {
-    summaries.push_back(SolveBundle(prepared.base, data, start.values, options));
+    summaries.push_back(SolveBundle(prepared.base(), data, start.values, options));
     const BundleSummary& last = summaries.back();
     const BundleSummary& so_far = summaries[best];
     const bool better = last.IsSolutionUsable() == so_far.IsSolutionUsable() ? last.deviance < so_far.deviance
                                                                              : last.IsSolutionUsable();
     if (better) best = summaries.size() - 1;
   }
-  *story = "start: " + starts[best].name;
+  *report = "start: " + starts[best].name;
   for (size_t k = 0; k < starts.size(); ++k) {
     if (k == best) continue;
     const double above = summaries[k].deviance - summaries[best].deviance;
     if (!summaries[k].IsSolutionUsable()) {
-      *story += "; from " + starts[k].name + " it does not converge";
+      *report += "; from " + starts[k].name + " it does not converge";
     } else if (above > 0.01) {
-      *story += "; from " + starts[k].name + Format(" it ends at another minimum, of a deviance higher by %.3g", above);
+      *report +=
+          "; from " + starts[k].name + Format(" it ends at another minimum, of a deviance higher by %.3g", above);
     } else {
-      *story += "; from " + starts[k].name + " it ends at the same minimum";
+      *report += "; from " + starts[k].name + " it ends at the same minimum";
     }
   }
-  *story +=
+  *report +=
       Format("; %d iterations, %d rounds of weights", summaries[best].iterations, summaries[best].weight_iterations);
   return summaries[best];
 }
@@ -129,7 +134,7 @@ std::vector<std::string> Inessential(const BundleData& data, const BundleSummary
     return solution;
   };
   return EliminateInessential(
-             data.unknowns, ratio,
+             data.unknowns.parameters(), ratio,
              [](const Parameter& parameter) {
                return parameter.kind == ParameterKind::kDriveGain || IsOfEffect(parameter.kind);
              },
@@ -146,14 +151,6 @@ std::string Uncertainty(const BundleSummary& summary) {
 
 }  // namespace
 
-ArmParameters ArmOf(const PreparedStudy& prepared, const BundleData& data, const VectorXd& values) {
-  PayloadColumns columns = data.payload_columns;
-  for (auto& payload : columns) {
-    for (int& column : payload) column += column >= 0 ? data.num_gains() : 0;
-  }
-  return ArmOf(prepared, ReleaseUncertain(prepared.study), data.Gains(values), values, data.num_gains(), columns);
-}
-
 bool EivOptions::IsValid(std::string* error) const {
   if (!(huber_threshold >= 0.0)) {
     *error = "huber_threshold is " + std::to_string(huber_threshold) + "; expected 0 (no loss) or more";
@@ -169,15 +166,15 @@ bool EivOptions::IsValid(std::string* error) const {
 Result<EivFit> FitEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
-  const bool identify = prepared.study.gains_mode == GainsMode::kIdentify;
+  const bool identify = prepared.model.IdentifiesGains();
   CHECK_EQ(identify, system != nullptr);
-  if (Status status = CheckValidationPayloads(prepared.study); !status.ok()) return status;
+  if (Status status = CheckValidationPayloads(prepared); !status.ok()) return status;
   Result<BundleData> data = BuildBundleData(prepared);
   if (!data.ok()) return data.status();
 
   EivFit fit;
   fit.data = std::move(data).value();
-  Estimate& estimate = fit.estimate;
+  Estimate& estimate = fit.header;
   std::vector<Start> starts;
   Status start_status;
   estimate = BeginEstimate(prepared, Status::Ok(), "eiv");
@@ -193,7 +190,7 @@ Result<EivFit> FitEiv(const PreparedStudy& prepared, const GainSystem* system, c
     const LinearFit wls = FitLinear(prepared, LinearOptions());
     start_status = wls.summary.status;
     if (start_status.ok()) {
-      starts.push_back({"WLS", ByName(wls.unknowns, wls.summary.values, fit.data)});
+      starts.push_back({"WLS", ByName(wls.unknowns.parameters(), wls.summary.values, fit.data)});
       estimate.condition_number = wls.summary.condition_number;
     }
   }
@@ -213,7 +210,7 @@ Result<EivFit> FitEiv(const PreparedStudy& prepared, const GainSystem* system, c
       bundle.priors.push_back({k, 0.0, kHeld * std::sqrt(fit.summary.covariance(k, k))});
       from[k] = 0.0;
     }
-    fit.summary = SolveBundle(prepared.base, fit.data, from, bundle);
+    fit.summary = SolveBundle(prepared.base(), fit.data, from, bundle);
     estimate.eliminated = dropped;
   }
   estimate.status = fit.summary.status;
@@ -226,29 +223,60 @@ Result<EivFit> FitEiv(const PreparedStudy& prepared, const GainSystem* system, c
   return fit;
 }
 
-Identification IdentificationOf(const PreparedStudy& prepared, const BundleData& data, const BundleSummary& summary,
-                                const Estimate& begun) {
-  Identification result;
-  Estimate& estimate = result.estimate;
-  estimate = begun;
-  if (summary.robust_covariance.size() == 0) return result;
-  SetParameters(prepared, data.unknowns, summary.values, summary.robust_covariance, summary.degrees_of_freedom,
-                data.num_gains(), estimate.eliminated, &estimate);
-  for (ParameterEstimate& p : estimate.parameters) {
-    SetInterval95(summary.degrees_of_freedom, &p, summary.interval_factor);
-  }
-  SetModelCovariance(data.unknowns, summary.model_covariance, &estimate);
-  estimate.uncertainty = Uncertainty(summary);
-  estimate.condition_number_weighted = summary.condition_number;
-  estimate.signal_noise_decimated = summary.signal_sigma;
-  PredictAll(prepared, ArmOf(prepared, data, summary.values), &result);
-  return result;
+FitSummary SummaryOf(const BundleData& data, const BundleSummary& summary, const Estimate& header) {
+  FitSummary fit;
+  fit.header = header;
+  fit.unknowns = data.unknowns;
+  if (summary.robust_covariance.size() == 0) return fit;
+  fit.values = summary.values;
+  fit.covariance = summary.robust_covariance;
+  fit.model_covariance = summary.model_covariance;
+  fit.degrees_of_freedom = summary.degrees_of_freedom;
+  fit.interval_factor = summary.interval_factor;
+  fit.header.uncertainty = Uncertainty(summary);
+  fit.header.condition_number_weighted = summary.condition_number;
+  fit.header.signal_noise_decimated = summary.signal_sigma;
+  return fit;
+}
+
+Result<FitSummary> SummarizeEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options) {
+  const Result<EivFit> fit = FitEiv(prepared, system, options);
+  if (!fit.ok()) return fit.status();
+  return SummaryOf(fit->data, fit->summary, fit->header);
 }
 
 Result<Identification> IdentifyEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options) {
-  const Result<EivFit> fit = FitEiv(prepared, system, options);
+  const Result<FitSummary> fit = SummarizeEiv(prepared, system, options);
   if (!fit.ok()) return fit.status();
-  return IdentificationOf(prepared, fit->data, fit->summary, fit->estimate);
+  return ToIdentification(prepared, *fit);
 }
+
+namespace {
+
+class Eiv : public Estimator {
+ public:
+  std::string name() const override { return "eiv"; }
+  bool Takes(GainsMode) const override { return true; }
+  bool has_robust_loss() const override { return true; }
+  bool IsValid(const EstimatorOptions& options, std::string* error) const override {
+    return OptionsOf(options).IsValid(error);
+  }
+  Result<FitSummary> Fit(const PreparedStudy& prepared, const GainSystem* system,
+                         const EstimatorOptions& options) const override {
+    return SummarizeEiv(prepared, system, OptionsOf(options));
+  }
+
+ private:
+  static EivOptions OptionsOf(const EstimatorOptions& options) {
+    EivOptions eiv;
+    eiv.essential_ratio = options.essential_ratio;
+    eiv.huber_threshold = options.huber_threshold;
+    return eiv;
+  }
+};
+
+}  // namespace
+
+void AddEiv(std::vector<const Estimator*>* estimators) { estimators->push_back(new Eiv()); }
 
 }  // namespace idim

@@ -21,9 +21,9 @@
 #include <string>
 
 #include "core/base/status.h"
-#include "core/model/prediction.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "solvers/bundle/bundle.h"
+#include "solvers/estimators/fit_summary.h"
 #include "solvers/estimators/identification.h"
 #include "solvers/linear/gain_system.h"
 
@@ -42,23 +42,20 @@ struct EivOptions {
 struct EivFit {
   BundleData data;
   BundleSummary summary;
-  Estimate estimate;  // status, names, start, gain diagnoses, what is eliminated; no parameters
+  Estimate header;  // status, names, start, gain diagnoses, what is eliminated; no parameters
 };
 
 // As IdentifyEiv().
 Result<EivFit> FitEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options);
 
-// Parameters, intervals and predictions added to a begun estimate; nothing where the bundle has no covariance.
-Identification IdentificationOf(const PreparedStudy& prepared, const BundleData& data, const BundleSummary& summary,
-                                const Estimate& begun);
-
-// The arm at the unknowns of a bundle.
-ArmParameters ArmOf(const PreparedStudy& prepared, const BundleData& data, const Eigen::VectorXd& values);
+// A solved bundle as an answer; without numbers where it has no covariance.
+FitSummary SummaryOf(const BundleData& data, const BundleSummary& summary, const Estimate& header);
 
 // system: of the same study where gains are identified, else nullptr. options valid (CHECK). BadInput: a prior on a
 // parameter that the study does not identify; as BuildBundleData and CheckValidationPayloads. Untrusted in
 // estimate.status, with the numbers where there are any: as SolveBundle; a gain of another sign than its a priori
 // value or of too large a spread.
+Result<FitSummary> SummarizeEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options);
 Result<Identification> IdentifyEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options);
 
 }  // namespace idim

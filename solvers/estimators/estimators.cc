@@ -1,34 +1,19 @@
 #include "solvers/estimators/estimators.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "core/base/text.h"
-#include "solvers/estimators/closed_forms.h"
-#include "solvers/estimators/eiv_identification.h"
+#include "solvers/estimators/assemble_estimate.h"
 #include "solvers/linear/exogeneity.h"
+#include "solvers/linear/gain_identification.h"
 #include "solvers/linear/sequential_gains.h"
 
 namespace idim {
-namespace {
-
-constexpr GainEstimator kGainEstimators[] = {GainEstimator::kLs,   GainEstimator::kWls,  GainEstimator::kTls,
-                                             GainEstimator::kWtls, GainEstimator::kGtls, GainEstimator::kWgtls};
-
-}  // namespace
-
-std::vector<std::string> EstimatorNames(GainsMode gains_mode) {
-  if (gains_mode == GainsMode::kKnown) return {"ls", "wls", "eiv"};
-  std::vector<std::string> names;
-  for (const GainEstimator estimator : kGainEstimators) names.emplace_back(GainEstimatorName(estimator));
-  names.emplace_back("eiv");
-  return names;
-}
 
 Result<EstimatorRunner> EstimatorRunner::Create(const PreparedStudy* prepared) {
   EstimatorRunner runner(prepared);
-  if (prepared->study.gains_mode == GainsMode::kIdentify) {
+  if (prepared->model.IdentifiesGains()) {
     Result<GainSystem> system = BuildGainSystem(*prepared);
     if (!system.ok()) return system.status();
     runner.gain_system_ = std::move(system).value();
@@ -36,37 +21,26 @@ Result<EstimatorRunner> EstimatorRunner::Create(const PreparedStudy* prepared) {
   return runner;
 }
 
-Result<Identification> EstimatorRunner::Run(const std::string& estimator, double essential_ratio, double huber) const {
-  const GainsMode mode = prepared_->study.gains_mode;
-  const std::vector<std::string> names = EstimatorNames(mode);
-  if (std::find(names.begin(), names.end(), estimator) == names.end()) {
-    return Status::BadInput("--estimator=" + estimator + ": no such estimator where gains are " +
+Result<Identification> EstimatorRunner::Run(const std::string& name, double essential_ratio, double huber) const {
+  const GainsMode mode = prepared_->model.gains_mode;
+  const Estimator* const estimator = FindEstimator(name, mode);
+  if (estimator == nullptr) {
+    return Status::BadInput("--estimator=" + name + ": no such estimator where gains are " +
                             (mode == GainsMode::kKnown ? "known" : "identified") + " (key 'gains.mode' of " +
-                            prepared_->study.path + "); expected one of " + Join(names, ", "));
+                            prepared_->path() + "); expected one of " + Join(EstimatorNames(mode), ", "));
   }
-  std::string error;
-  if (estimator == "eiv") {
-    EivOptions options;
-    options.essential_ratio = essential_ratio;
-    options.huber_threshold = huber;
-    if (!options.IsValid(&error)) return Status::BadInput("--r_sigma, --huber: " + error);
-    return IdentifyEiv(*prepared_, gain_system_ ? &*gain_system_ : nullptr, options);
-  }
-  if (huber != 0.0) return Status::BadInput("--huber: only eiv has a robust loss; expected 0 with " + estimator);
-  if (mode == GainsMode::kKnown) {
-    LinearOptions options;
-    options.weighted = estimator == "wls";
-    options.essential_ratio = essential_ratio;
-    if (!options.IsValid(&error)) return Status::BadInput("--r_sigma: " + error);
-    return IdentifyLinear(*prepared_, options);
-  }
-  GainOptions options;
-  for (const GainEstimator candidate : kGainEstimators) {
-    if (estimator == GainEstimatorName(candidate)) options.estimator = candidate;
-  }
+  EstimatorOptions options;
   options.essential_ratio = essential_ratio;
-  if (!options.IsValid(&error)) return Status::BadInput("--r_sigma: " + error);
-  return IdentifyGains(*prepared_, *gain_system_, options);
+  options.huber_threshold = huber;
+  if (huber != 0.0 && !estimator->has_robust_loss()) {
+    return Status::BadInput("--huber: only eiv has a robust loss; expected 0 with " + name);
+  }
+  if (std::string error; !estimator->IsValid(options, &error)) {
+    return Status::BadInput((estimator->has_robust_loss() ? "--r_sigma, --huber: " : "--r_sigma: ") + error);
+  }
+  const Result<FitSummary> fit = estimator->Fit(*prepared_, gain_system_ ? &*gain_system_ : nullptr, options);
+  if (!fit.ok()) return fit.status();
+  return ToIdentification(*prepared_, *fit);
 }
 
 std::optional<Estimate> EstimatorRunner::RunSequential() const {
@@ -74,7 +48,7 @@ std::optional<Estimate> EstimatorRunner::RunSequential() const {
   const SequentialGains gains = SolveSequentialGains(*gain_system_);
   Estimate estimate;
   estimate.status = gains.status;
-  estimate.robot = prepared_->study.robot.name;
+  estimate.robot = prepared_->robot().name;
   estimate.estimator = "sequential";
   std::vector<int> found;
   for (int j = 0; j < gain_system_->dof(); ++j) {

@@ -1,4 +1,4 @@
-// Every estimator by the name that a command line gives it.
+// A study with all of its estimators.
 
 #ifndef IDIM_SOLVERS_ESTIMATORS_ESTIMATORS_H_
 #define IDIM_SOLVERS_ESTIMATORS_ESTIMATORS_H_
@@ -9,14 +9,12 @@
 
 #include "core/base/status.h"
 #include "core/estimate/bias_test.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "solvers/estimators/identification.h"
+#include "solvers/estimators/registry.h"
 #include "solvers/linear/gain_system.h"
 
 namespace idim {
-
-// What can be run on a study: ls wls eiv with known gains; ls wls tls wtls gtls wgtls eiv where gains are identified.
-std::vector<std::string> EstimatorNames(GainsMode gains_mode);
 
 // A prepared study with what its estimators share: where gains are identified, one pass over the data, however many of
 // them follow.

@@ -11,12 +11,11 @@
 #include <utility>
 
 #include "core/model/active_effects.h"
-#include "core/model/payload_unknowns.h"
 #include "core/model/prediction.h"
+#include "core/model/unknowns.h"
 #include "core/simulation/simulate.h"
 #include "solvers/estimators/estimators.h"
 #include "solvers/judge/validation.h"
-#include "solvers/linear/gain_system.h"
 #include "solvers/loop/declared_effects.h"
 
 namespace idim {
@@ -26,8 +25,9 @@ using Eigen::MatrixXd;
 
 // All that the runs share; read by every thread, written by none.
 struct Simulator {
-  Study study;                // identification recordings only, with the filter of the original
-  std::vector<Truth> truths;  // one a recording of `study`
+  DataRequest request;        // identification recordings only, with the filter of the original
+  Model model;                // of these, its effects declared
+  std::vector<Truth> truths;  // one a recording of `request`
   std::vector<bool> signal_is_torque;
   std::vector<TrueParameter> parameters;
   NoiseOptions noise;
@@ -46,40 +46,18 @@ Result<ArmParameters> ArmOf(const PreparedStudy& prepared, const Estimate& estim
 // Of the model, in the order of the estimates: gains where they are identified, base parameters, those of effects,
 // unknown payloads'.
 std::vector<TrueParameter> TrueParameters(const PreparedStudy& prepared, const ArmParameters& arm) {
-  const Study& study = prepared.study;
-  std::vector<Parameter> names;
-  std::vector<double> values;
-  if (study.gains_mode == GainsMode::kIdentify) {
-    names = GainParameters(study.robot.dof());
-    values.assign(arm.gains.data(), arm.gains.data() + arm.gains.size());
-  }
-  const std::vector<Parameter> of_model = prepared.parameters();
-  names.insert(names.end(), of_model.begin(), of_model.end());
-  Eigen::VectorXd chi = arm.chi;
-  const Eigen::VectorXd shapes = ShapeOffsets(prepared);
-  chi.tail(shapes.size()) += shapes;
-  values.insert(values.end(), chi.data(), chi.data() + chi.size());
-  const auto columns = AppendPayloadUnknowns(study, &names);
-  values.resize(names.size());
-  for (size_t p = 0; p < columns.size(); ++p) {
-    for (int k = 0; k < kNumInertial; ++k) {
-      if (columns[p][k] >= 0) values[static_cast<size_t>(columns[p][k])] = arm.payloads[p][k];
-    }
-  }
+  const Unknowns unknowns(prepared.model, UncertainPayload::kExact);
+  const Eigen::VectorXd values = unknowns.Values(arm);
   std::vector<TrueParameter> parameters;
-  for (size_t k = 0; k < names.size(); ++k) parameters.push_back({names[k], values[k]});
+  for (int k = 0; k < unknowns.size(); ++k) parameters.push_back({unknowns[k], values[k] + unknowns.Offset(k)});
   return parameters;
 }
 
 // To be declared in every run, where shapes begin from the truth.
-std::vector<DeclaredEffect> EffectsAt(const StatedModel& stated) {
-  std::vector<DeclaredEffect> effects;
-  for (const ActiveEffect& active : stated.prepared.effects) {
-    DeclaredEffect declared;
-    declared.id = active.effect->id();
-    declared.joints = active.joints;
-    declared.where = declared.id_where = declared.joints_where =
-        stated.prepared.study.path + ": " + EffectTitle(active);
+std::vector<PlacedEffect> EffectsAt(const StatedModel& stated) {
+  std::vector<PlacedEffect> effects;
+  for (const ActiveEffect& active : stated.prepared.model.effects) {
+    PlacedEffect declared{active.effect, active.joints, {}, stated.prepared.path() + ": " + EffectTitle(active)};
     const std::vector<ShapeParameter> shapes = ShapesAlong(stated.prepared, *active.effect, active.joints);
     // Limits differ a little from run to run; recordings, by which payload_change counts, from those of the study.
     for (size_t s = 0; s < shapes.size() && active.effect->id() != "payload_change"; ++s) {
@@ -94,36 +72,35 @@ std::vector<DeclaredEffect> EffectsAt(const StatedModel& stated) {
 }
 
 Result<Simulator> MakeSimulator(const PreparedStudy& prepared, const Estimate& reference) {
-  const int n = prepared.study.robot.dof();
   const Result<ArmParameters> arm = ArmOf(prepared, reference);
   if (!arm.ok()) return arm.status();
-  // torque = map * signal, row by row.
-  const MatrixXd map = JointTorque(prepared.study, arm->gains, MatrixXd::Identity(n, n)).transpose();
-  const Eigen::FullPivLU<MatrixXd> inverse(map);
+  const Eigen::FullPivLU<MatrixXd> inverse(prepared.data->drive.Matrix(arm->gains));
   if (!inverse.isInvertible()) {
-    return Status::BadInput(prepared.study.path +
+    return Status::BadInput(prepared.path() +
                             ": a drive gain of the estimate is zero, so no signal gives its joint a torque");
   }
-  Simulator simulator;
-  simulator.study = prepared.study;
-  simulator.study.recordings.clear();
-  simulator.study.preprocessing.cutoff_hz = prepared.preprocessing.cutoff_hz;
-  simulator.study.preprocessing.decimation = prepared.preprocessing.decimation;
-  simulator.parameters = TrueParameters(prepared, *arm);
-  simulator.noise.position = prepared.position_noise;
-  simulator.noise.signal = reference.signal_noise;
+  const std::vector<int> used = prepared.model.RecordingsFor(Use::kIdentification);
+  std::vector<RecordingRole> roles;
+  for (const int r : used) roles.push_back(prepared.model.roles[static_cast<size_t>(r)]);
+  const Preprocessing& preprocessing = prepared.data->preprocessing;
   const StatedModel stated = AsStated(prepared, *arm);
-  simulator.study.effects = EffectsAt(stated);
-  for (const PreparedRecording& recording : stated.prepared.recordings) {
-    if (recording.entry.use != Use::kIdentification) continue;
-    simulator.study.recordings.push_back(recording.entry);
+  Simulator simulator;
+  simulator.request = SomeRecordings(*prepared.data, used)->request;
+  simulator.request.preprocessing = {preprocessing.cutoff_hz, preprocessing.decimation};
+  simulator.model = ForRecordings(WithoutEffects(prepared.model), used, roles);
+  simulator.model.declared = EffectsAt(stated);
+  simulator.parameters = TrueParameters(prepared, *arm);
+  simulator.noise.position = prepared.data->position_noise;
+  simulator.noise.signal = reference.signal_noise;
+  for (const int r : used) {
+    const MeasuredRecording& recording = prepared.data->recordings[static_cast<size_t>(r)];
     Truth truth;
-    truth.t = recording.recording.t;
-    truth.q = recording.states.q;
-    truth.torque = Predict(stated.prepared, recording, stated.arm).model;
+    truth.t = recording.recording->t;
+    truth.q = recording.states->q;
+    truth.torque = Predict(stated.prepared, r, stated.arm).model;
     truth.signal = inverse.solve(truth.torque.transpose()).transpose();
     simulator.truths.push_back(std::move(truth));
-    simulator.signal_is_torque.push_back(recording.recording.signal_is_torque);
+    simulator.signal_is_torque.push_back(recording.recording->signal_is_torque);
   }
   return simulator;
 }
@@ -150,8 +127,8 @@ std::vector<RunErrors> OneRun(const Simulator& simulator, const std::vector<std:
   std::vector<Recording> recordings;
   for (size_t k = 0; k < simulator.truths.size(); ++k) {
     recordings.push_back(
-        AddNoise(simulator.truths[k], simulator.study.robot, simulator.noise, SeedOf(options.seed, run, k)));
-    recordings.back().name = simulator.study.recordings[k].name;
+        AddNoise(simulator.truths[k], simulator.request.robot, simulator.noise, SeedOf(options.seed, run, k)));
+    recordings.back().name = simulator.request.recordings[k].name;
     recordings.back().signal_is_torque = simulator.signal_is_torque[k];
   }
   std::vector<RunErrors> errors;
@@ -159,9 +136,9 @@ std::vector<RunErrors> OneRun(const Simulator& simulator, const std::vector<std:
     for (const std::string& name : estimators) errors.push_back(ErrorsOf(simulator.parameters, Failed(name, status)));
     return errors;
   };
-  const Result<PreparedStudy> plain = PrepareStudy(simulator.study, std::move(recordings));
-  if (!plain.ok()) return fail(plain.status());
-  const Result<PreparedStudy> prepared = DeclareEffects(*plain);
+  Result<std::shared_ptr<const Data>> data = MakeData(simulator.request, std::move(recordings));
+  if (!data.ok()) return fail(data.status());
+  const Result<PreparedStudy> prepared = DeclareEffects({*std::move(data), simulator.model});
   if (!prepared.ok()) return fail(prepared.status());
   const Result<EstimatorRunner> runner = EstimatorRunner::Create(&*prepared);
   if (!runner.ok()) return fail(runner.status());
@@ -192,7 +169,7 @@ Result<MonteCarlo> RunMonteCarlo(const PreparedStudy& prepared, const Estimate& 
   std::string error;
   if (!options.IsValid(&error)) return Status::BadInput(error);
   CHECK(!reference.parameters.empty()) << reference.estimator << " has no numbers to simulate from";
-  CHECK_EQ(reference.signal_noise.size(), prepared.study.robot.dof());
+  CHECK_EQ(reference.signal_noise.size(), prepared.robot().dof());
   const Result<Simulator> simulator = MakeSimulator(prepared, reference);
   if (!simulator.ok()) return simulator.status();
 

@@ -31,7 +31,7 @@
 #include "core/base/status.h"
 #include "core/estimate/estimate.h"
 #include "core/estimate/monte_carlo.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 
 namespace idim {
 

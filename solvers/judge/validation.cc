@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "core/base/text.h"
 #include "core/model/active_effects.h"
-#include "core/model/observation_stream.h"
-#include "core/model/payload_unknowns.h"
+#include "core/model/prediction.h"
+#include "core/model/sample_stream.h"
+#include "core/model/unknowns.h"
 #include "core/statistics/triangular_factor.h"
 #include "solvers/estimators/closed_forms.h"
 #include "solvers/linear/gain_system.h"
@@ -21,25 +21,25 @@ using Eigen::VectorXd;
 
 // Whether a plain name of the estimate ("MX7") speaks of this payload: the only one, or the only one that the study's
 // identification recordings carry.
-bool IsTheEstimates(const Study& study, int payload) {
-  std::set<int> carried;
-  for (const RecordingEntry& entry : study.recordings) {
-    if (entry.use == Use::kIdentification && entry.payload >= 0) carried.insert(entry.payload);
+bool IsTheEstimates(const Model& model, int payload) {
+  if (model.payloads.size() == 1) return true;
+  for (int p = 0; p < static_cast<int>(model.payloads.size()); ++p) {
+    if (model.IsCarried(p) != (p == payload)) return false;
   }
-  return study.payloads.size() == 1 || carried == std::set<int>{payload};
+  return true;
 }
 
 // The ten parameters of a payload: known to the study, else to the estimate, which leaves out what was not essential.
 // None if the estimate has nothing of what the study leaves open.
-std::optional<InertialVector> PayloadOf(const Study& study, int payload, const Reference& estimate) {
-  InertialVector body = KnownPayload(study, payload);
+std::optional<InertialVector> PayloadOf(const Model& model, int payload, const Reference& estimate) {
+  InertialVector body = KnownPayload(model, payload);
   bool open = false, found = false;
   for (int k = 0; k < kNumInertial; ++k) {
-    if (study.payloads[payload].known[k]) continue;
+    if (model.payloads[static_cast<size_t>(payload)].known[k]) continue;
     open = true;
-    const std::string name = kStandardNames[k] + std::to_string(study.robot.dof() + 1);
-    const Reference::Entry* entry = estimate.Find(name + "_" + study.payloads[payload].name);
-    if (entry == nullptr && IsTheEstimates(study, payload)) entry = estimate.Find(name);
+    const std::string name = kStandardNames[k] + std::to_string(model.base().model().dof() + 1);
+    const Reference::Entry* entry = estimate.Find(name + "_" + model.payloads[static_cast<size_t>(payload)].name);
+    if (entry == nullptr && IsTheEstimates(model, payload)) entry = estimate.Find(name);
     if (entry == nullptr) continue;
     body[k] = entry->value;
     found = true;
@@ -51,76 +51,49 @@ std::optional<InertialVector> PayloadOf(const Study& study, int payload, const R
 // Without any torque, for columns of which only the names matter.
 ArmParameters RestingArm(const PreparedStudy& prepared) {
   ArmParameters arm;
-  arm.gains = VectorXd::Ones(prepared.study.robot.dof());
-  arm.chi = VectorXd::Zero(prepared.num_columns());
-  arm.payloads.assign(prepared.study.payloads.size(), InertialVector::Zero());
+  arm.gains = VectorXd::Ones(prepared.robot().dof());
+  arm.chi = VectorXd::Zero(prepared.base().size() + static_cast<int>(prepared.model.columns->parameters.size()));
+  arm.payloads.assign(prepared.model.payloads.size(), InertialVector::Zero());
   return arm;
 }
 
-double ConditionOf(const PreparedStudy& prepared, const PreparedRecording& recording) {
-  const int base = prepared.base.size();
+double ConditionOf(const PreparedStudy& prepared, int recording) {
+  const int base = prepared.base().size();
   TriangularFactor factor(base);
   StreamObservations(prepared, recording,
                      [&](const Observation& observation) { factor.AddRows(observation.columns.leftCols(base)); });
   return ConditionNumber(factor.R());
 }
 
-// Effects that act in none of the recordings (a mass taken up in another one) have columns of zeros.
-void DropIdleEffects(PreparedStudy* prepared) {
-  const std::vector<int> first = FirstParameters(*prepared);
-  std::vector<ActiveEffect> effects;
-  std::vector<Parameter> parameters;
-  std::vector<int> index(prepared->effect_parameters.size(), -1);
-  for (size_t e = 0; e < prepared->effects.size(); ++e) {
-    bool acts = false;
-    for (const PreparedRecording& recording : prepared->recordings) {
-      for (const EffectEntry& entry : recording.effects) {
-        acts |= entry.parameter >= first[e] && entry.parameter < first[e + 1];
-      }
-    }
-    if (!acts) continue;
-    effects.push_back(prepared->effects[e]);
-    for (int k = first[e]; k < first[e + 1]; ++k) {
-      index[static_cast<size_t>(k)] = static_cast<int>(parameters.size());
-      parameters.push_back(prepared->effect_parameters[static_cast<size_t>(k)]);
-    }
+// By least squares from a loaded recording and those without a payload, as if nothing were known of the
+// payload.
+std::optional<MassEstimate> EstimateMass(const PreparedStudy& prepared, int recording, const VectorXd& gains) {
+  const Model& model = prepared.model;
+  const int carried = model.roles[static_cast<size_t>(recording)].payload;
+  if (carried < 0) return std::nullopt;
+  std::vector<int> used;
+  for (const int r : model.RecordingsFor(Use::kIdentification)) {
+    if (model.roles[static_cast<size_t>(r)].payload < 0) used.push_back(r);
   }
-  for (PreparedRecording& recording : prepared->recordings) {
-    for (EffectEntry& entry : recording.effects) entry.parameter = index[static_cast<size_t>(entry.parameter)];
-  }
-  prepared->effects = std::move(effects);
-  prepared->effect_parameters = std::move(parameters);
-}
-
-std::optional<MassEstimate> EstimateMass(const PreparedStudy& prepared, const PreparedRecording& recording,
-                                         const VectorXd& gains) {
-  if (recording.entry.payload < 0) return std::nullopt;
-  PreparedStudy both = prepared;
-  both.recordings.clear();
-  both.study.gains_mode = GainsMode::kKnown;
-  both.study.gains = gains;
-  both.study.payloads.assign(1, Payload());
-  both.study.payloads[0].name = "payload";
-  for (const PreparedRecording& r : prepared.recordings) {
-    if (r.entry.use == Use::kIdentification && r.entry.payload < 0) both.recordings.push_back(r);
-  }
-  if (both.recordings.empty()) return std::nullopt;
-  both.recordings.push_back(recording);
-  both.recordings.back().entry.use = Use::kIdentification;
-  both.recordings.back().entry.payload = 0;
-  both.study.recordings.clear();
-  for (const PreparedRecording& r : both.recordings) both.study.recordings.push_back(r.entry);
-  DropIdleEffects(&both);
+  if (used.empty()) return std::nullopt;
+  used.push_back(recording);
+  std::vector<RecordingRole> roles;
+  for (const int r : used) roles.push_back({Use::kIdentification, r == recording ? 0 : -1});
+  PreparedStudy both{SomeRecordings(*prepared.data, used), ForRecordings(model, used, roles)};
+  both.model.gains_mode = GainsMode::kKnown;
+  both.model.gains = gains;
+  both.model.payloads.assign(1, Payload());
+  both.model.payloads[0].name = "payload";
   const Result<Identification> identification = IdentifyLinear(both, LinearOptions());
   if (!identification.ok() || !identification->estimate.status.ok()) return std::nullopt;
   MassEstimate mass;
-  const std::string name = kStandardNames[kM] + std::to_string(prepared.study.robot.dof() + 1);
+  const std::string name = kStandardNames[kM] + std::to_string(prepared.robot().dof() + 1);
   for (const ParameterEstimate& p : identification->estimate.parameters) {
     if (p.parameter.name != name) continue;
     mass.value = p.value;
     mass.standard_deviation = p.standard_deviation;
   }
-  mass.weighed = prepared.study.payloads[recording.entry.payload].known[kM];
+  mass.weighed = model.payloads[static_cast<size_t>(carried)].known[kM];
   return mass;
 }
 
@@ -133,8 +106,10 @@ std::optional<double> MassEstimate::ErrorPercent() const {
 
 Result<PreparedStudy> WithEffectsOf(const PreparedStudy& prepared, const Reference& estimate) {
   PreparedStudy with = prepared;
-  if (estimate.velocity_zero_at_rest && !with.velocity_zero_at_rest) SetVelocityZeroAtRest(&with);
-  const int n = prepared.study.robot.dof();
+  if (estimate.velocity_zero_at_rest && !with.data->velocity_zero_at_rest) {
+    with.data = WithVelocityZeroAtRest(*with.data);
+  }
+  const int n = prepared.robot().dof();
   std::vector<ActiveEffect> effects;
   for (const EstimatedEffect& stated : estimate.effects) {
     const std::string where = "estimate '" + estimate.name + "': effect '" + stated.id + "'";
@@ -148,7 +123,7 @@ Result<PreparedStudy> WithEffectsOf(const PreparedStudy& prepared, const Referen
     if (joints.size() != expected || !std::is_sorted(joints.begin(), joints.end()) ||
         std::adjacent_find(joints.begin(), joints.end()) != joints.end() || (expected > 0 && joints.back() >= n)) {
       return Status::BadInput(where + ": key 'joints': expected " + std::to_string(expected) +
-                              " increasing joints of the " + std::to_string(n) + " of " + prepared.study.path);
+                              " increasing joints of the " + std::to_string(n) + " of " + prepared.path());
     }
     for (const ActiveEffect& other : effects) {
       if (SameEffect(other, active)) return Status::BadInput(where + ": given twice; expected once at a place");
@@ -172,19 +147,20 @@ Result<PreparedStudy> WithEffectsOf(const PreparedStudy& prepared, const Referen
     }
     effects.push_back(std::move(active));
   }
-  SetEffects(effects, MotionsOf(prepared, RestingArm(prepared)), &with);
+  with.model = WithEffects(with, effects, MotionsOf(prepared, RestingArm(prepared)));
   return with;
 }
 
 Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Reference& estimate) {
-  const Study& study = prepared.study;
-  const int n = study.robot.dof();
-  if (!estimate.robot.empty() && !study.robot.name.empty() && estimate.robot != study.robot.name) {
+  const Model& model = prepared.model;
+  const Robot& robot = prepared.robot();
+  const int n = robot.dof();
+  if (!estimate.robot.empty() && !robot.name.empty() && estimate.robot != robot.name) {
     return Status::BadInput("estimate '" + estimate.name + "' is of robot '" + estimate.robot + "', that of " +
-                            study.path + " is '" + study.robot.name + "'; expected an estimate of the same robot");
+                            prepared.path() + " is '" + robot.name + "'; expected an estimate of the same robot");
   }
   ArmParameters arm;
-  arm.gains = study.gains;
+  arm.gains = model.gains;
   const std::vector<Parameter> gains = GainParameters(n);
   int gains_found = 0;
   for (const Parameter& gain : gains) gains_found += estimate.Find(gain.name) != nullptr;
@@ -195,24 +171,24 @@ Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Referenc
   if (gains_found == n) {
     arm.gains.resize(n);
     for (int j = 0; j < n; ++j) arm.gains[j] = estimate.Find(gains[j].name)->value;
-  } else if (study.gains_mode == GainsMode::kIdentify) {
-    return Status::BadInput("estimate '" + estimate.name + "' has no drive gains and " + study.path +
+  } else if (model.IdentifiesGains()) {
+    return Status::BadInput("estimate '" + estimate.name + "' has no drive gains and " + prepared.path() +
                             " leaves them to be identified (key 'gains.mode'); expected gains in one of them");
   }
-  const std::vector<Parameter> of_model = prepared.parameters();
-  const VectorXd shapes = ShapeOffsets(prepared);
-  arm.chi = VectorXd::Zero(prepared.num_columns());
+  const Unknowns unknowns(model, UncertainPayload::kExact);
+  const int columns = unknowns.num_base() + unknowns.num_effect_parameters();
+  arm.chi = VectorXd::Zero(columns);
   int found = 0;
-  for (int k = 0; k < prepared.num_columns(); ++k) {
-    const Reference::Entry* entry = estimate.Find(of_model[k].name);
+  std::vector<std::string> names;
+  for (int k = 0; k < columns; ++k) {
+    const int unknown = unknowns.first_base() + k;
+    names.push_back(unknowns[unknown].name);
+    const Reference::Entry* entry = estimate.Find(names.back());
     if (entry == nullptr) continue;
-    const int effect = k - prepared.base.size();
-    arm.chi[k] = entry->value - (effect >= 0 ? shapes[effect] : 0.0);
+    arm.chi[k] = entry->value - unknowns.Offset(unknown);
     ++found;
   }
   const std::string payload_link = std::to_string(n + 1);
-  std::vector<std::string> names;
-  for (const Parameter& p : of_model) names.push_back(p.name);
   for (const Reference::Entry& entry : estimate.parameters) {
     bool known = false;
     for (const std::string& name : names) known |= name == entry.name;
@@ -228,17 +204,17 @@ Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Referenc
     }
     if (!known) {
       return Status::BadInput("estimate '" + estimate.name + "' has a parameter '" + entry.name +
-                              "' that the model of " + study.path + " does not have (nearest: '" +
+                              "' that the model of " + prepared.path() + " does not have (nearest: '" +
                               NearestName(entry.name, names) +
                               "'); expected an estimate of the same robot and friction");
     }
   }
   if (found == 0) {
-    return Status::BadInput("estimate '" + estimate.name + "' has none of the base parameters of " + study.path +
+    return Status::BadInput("estimate '" + estimate.name + "' has none of the base parameters of " + prepared.path() +
                             "; expected base parameters, such as '" + names[0] + "'");
   }
-  for (int p = 0; p < static_cast<int>(study.payloads.size()); ++p) {
-    arm.payloads.push_back(PayloadOf(study, p, estimate).value_or(InertialVector::Zero()));
+  for (int p = 0; p < static_cast<int>(model.payloads.size()); ++p) {
+    arm.payloads.push_back(PayloadOf(model, p, estimate).value_or(InertialVector::Zero()));
   }
   return arm;
 }
@@ -254,21 +230,21 @@ Result<Validation> Validate(const PreparedStudy& as_recorded, const Reference& e
   validation.name = estimate.name;
   validation.warning = estimate.warning;
   validation.gains = arm->gains;
-  for (const PreparedRecording& recording : prepared.recordings) {
-    if (recording.entry.use != Use::kValidation) continue;
+  for (const int r : prepared.model.RecordingsFor(Use::kValidation)) {
+    const int payload = prepared.model.roles[static_cast<size_t>(r)].payload;
     ValidationOfRecording result;
-    result.name = recording.entry.name;
-    if (recording.entry.payload >= 0) result.payload = prepared.study.payloads[recording.entry.payload].name;
-    if (result.payload.empty() || PayloadOf(prepared.study, recording.entry.payload, estimate)) {
-      validation.series.push_back(Predict(prepared, recording, stated.arm));
+    result.name = prepared.data->recordings[static_cast<size_t>(r)].entry.name;
+    if (payload >= 0) result.payload = prepared.model.payloads[static_cast<size_t>(payload)].name;
+    if (result.payload.empty() || PayloadOf(prepared.model, payload, estimate)) {
+      validation.series.push_back(Predict(prepared, r, stated.arm));
       result.fit = FitOf(validation.series.back());
     }
-    result.condition_number = ConditionOf(prepared, recording);
-    result.mass = EstimateMass(prepared, recording, arm->gains);
+    result.condition_number = ConditionOf(prepared, r);
+    result.mass = EstimateMass(prepared, r, arm->gains);
     validation.recordings.push_back(std::move(result));
   }
   if (validation.recordings.empty()) {
-    return Status::BadInput(prepared.study.path +
+    return Status::BadInput(prepared.path() +
                             ": key 'recordings': no recording has use 'validation'; expected at least one");
   }
   return validation;

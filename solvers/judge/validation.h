@@ -21,8 +21,8 @@
 
 #include "core/base/status.h"
 #include "core/estimate/reference.h"
+#include "core/model/model.h"
 #include "core/model/prediction.h"
-#include "core/model/prepared_study.h"
 
 namespace idim {
 

@@ -157,9 +157,9 @@ Result<LaggedSystem> BuildLaggedSystem(const PreparedStudy& prepared, const Lagg
   }
   const Result<GainRows> rows = GainRows::Create(prepared);
   if (!rows.ok()) return rows.status();
-  const int unknowns = static_cast<int>(rows->unknowns().size());
+  const int unknowns = rows->unknowns().size();
   LaggedSystem system;
-  system.dof = prepared.study.robot.dof();
+  system.dof = prepared.robot().dof();
   const int suspected = options.suspects == Suspects::kSignals ? system.dof : unknowns;
   for (int k = 0; k < suspected; ++k) system.suspects.push_back(k);
   system.instruments = 2 * suspected;
@@ -169,8 +169,7 @@ Result<LaggedSystem> BuildLaggedSystem(const PreparedStudy& prepared, const Lagg
   std::deque<GainRows::RowMajorMatrix> window;  // 2 lag + 1 samples
   std::int64_t sample = 0;
   Eigen::RowVectorXd row(system.instruments + unknowns + 1);
-  for (const PreparedRecording& recording : prepared.recordings) {
-    if (recording.entry.use != Use::kIdentification) continue;
+  for (const int recording : prepared.model.RecordingsFor(Use::kIdentification)) {
     window.clear();
     rows->Stream(recording, [&](const GainRows::RowMajorMatrix& w) {
       window.push_back(w);

@@ -34,7 +34,7 @@
 #include <vector>
 
 #include "core/base/status.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "core/statistics/triangular_factor.h"
 
 namespace idim {

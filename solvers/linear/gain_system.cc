@@ -4,8 +4,6 @@
 
 #include <string>
 
-#include "core/model/payload_unknowns.h"
-
 namespace idim {
 namespace {
 
@@ -32,18 +30,17 @@ MatrixXd GravityTorque(const BaseParameters& base, const MatrixXd& q, const Iner
 
 }  // namespace
 
-Status CheckGainStudy(const Study& study) {
-  if (study.gains_mode != GainsMode::kIdentify) {
-    return Status::BadInput(study.path +
+Status CheckGainStudy(const PreparedStudy& prepared) {
+  const Model& model = prepared.model;
+  if (!model.IdentifiesGains()) {
+    return Status::BadInput(prepared.path() +
                             ": key 'gains.mode': 'known' leaves no drive gain to identify; expected 'identify'");
   }
-  bool scaled = false;
-  for (const RecordingEntry& entry : study.recordings) {
-    if (entry.use == Use::kIdentification) scaled |= KnownPayload(study, entry.payload).norm() > 0.0;
+  for (const int r : model.RecordingsFor(Use::kIdentification)) {
+    if (KnownPayload(model, model.roles[static_cast<size_t>(r)].payload).norm() > 0.0) return Status::Ok();
   }
-  if (scaled) return Status::Ok();
   return Status::BadInput(
-      study.path +
+      prepared.path() +
       ": key 'payloads': no identification recording carries a payload of which anything is known, so that gains and "
       "parameters have no common scale; expected at least one, with a weighed mass, as in {M: 4.59}");
 }
@@ -57,31 +54,22 @@ void GainSystem::Merge(const GainSystem& other) {
   }
 }
 
-std::vector<Parameter> GainParameters(int dof) {
-  std::vector<Parameter> gains;
-  for (int j = 1; j <= dof; ++j) {
-    gains.push_back({"g" + std::to_string(j), ParameterKind::kDriveGain, j, "N.m per signal unit"});
-  }
-  return gains;
-}
-
 Result<GainSystem> BuildGainSystem(const PreparedStudy& prepared) {
-  const Study& study = prepared.study;
-  const int n = study.robot.dof();
+  const int n = prepared.robot().dof();
   Result<GainRows> rows = GainRows::Create(prepared);
   if (!rows.ok()) return rows.status();
-  GainSystem system(rows->unknowns(), n);
-  system.a_priori_gains = study.gains;
-  const Eigen::Index known_column = static_cast<Eigen::Index>(system.unknowns.size());
-  for (const PreparedRecording& recording : prepared.recordings) {
-    if (recording.entry.use != Use::kIdentification) continue;
-    const InertialVector known = KnownPayload(study, recording.entry.payload);
+  GainSystem system(rows->unknowns().parameters(), n);
+  system.a_priori_gains = prepared.model.gains;
+  const Eigen::Index known_column = rows->unknowns().size();
+  for (const int r : prepared.model.RecordingsFor(Use::kIdentification)) {
+    const MeasuredRecording& recording = prepared.data->recordings[static_cast<size_t>(r)];
+    const InertialVector known = KnownPayload(prepared.model, prepared.model.roles[static_cast<size_t>(r)].payload);
     const bool loaded = known.norm() > 0.0;
     MatrixXd gravity;
-    if (loaded) gravity = GravityTorque(prepared.base, recording.decimator.Apply(recording.states.q), known);
+    if (loaded) gravity = GravityTorque(prepared.base(), recording.decimator->Apply(recording.states->q), known);
     RowMajorMatrix load = RowMajorMatrix::Zero(n, n + 2);
     Eigen::Index sample = 0;
-    rows->Stream(recording, [&](const RowMajorMatrix& w) {
+    rows->Stream(r, [&](const RowMajorMatrix& w) {
       for (int j = 0; j < n; ++j) system.joints[j].AddRow(w.row(j));
       if (!loaded) return;
       load.leftCols(n) = w.leftCols(n);
@@ -94,33 +82,19 @@ Result<GainSystem> BuildGainSystem(const PreparedStudy& prepared) {
 }
 
 Result<GainRows> GainRows::Create(const PreparedStudy& prepared) {
-  if (Status status = CheckGainStudy(prepared.study); !status.ok()) return status;
-  GainRows rows(prepared);
-  rows.unknowns_ = GainParameters(prepared.study.robot.dof());
-  const std::vector<Parameter> of_model = prepared.parameters();
-  rows.unknowns_.insert(rows.unknowns_.end(), of_model.begin(), of_model.end());
-  rows.payload_columns_ = AppendPayloadUnknowns(prepared.study, &rows.unknowns_);
-  return rows;
+  if (Status status = CheckGainStudy(prepared); !status.ok()) return status;
+  return GainRows(prepared);
 }
 
-void GainRows::Stream(const PreparedRecording& recording,
-                      const std::function<void(const RowMajorMatrix& rows)>& visit) const {
-  const Study& study = prepared_.study;
-  const int n = study.robot.dof();
-  const int payload = recording.entry.payload;
-  const InertialVector known = KnownPayload(study, payload);
-  // Row j: how the torque of joint j is made of the motors' (JointTorque of one motor at a time).
-  const MatrixXd drive = JointTorque(study, VectorXd::Ones(n), MatrixXd::Identity(n, n)).transpose();
-  const Eigen::Index known_column = static_cast<Eigen::Index>(unknowns_.size());
-  RowMajorMatrix rows = RowMajorMatrix::Zero(n, known_column + 1);
-  StreamObservations(prepared_, recording, [&](const Observation& observation) {
-    rows.leftCols(n) = drive * observation.signal.asDiagonal();
-    rows.middleCols(n, prepared_.num_columns()) = -observation.columns;
-    for (int k = 0; payload >= 0 && k < kNumInertial; ++k) {
-      const int column = payload_columns_[payload][k];
-      if (column >= 0) rows.col(column) = -observation.payload.col(k);
-    }
-    rows.col(known_column) = -observation.payload * known;
+void GainRows::Stream(int recording, const std::function<void(const RowMajorMatrix& rows)>& visit) const {
+  const int n = unknowns_.dof();
+  // Row j: how the torque of joint j is made of the motors'.
+  const MatrixXd drive = prepared_.data->drive.Matrix();
+  RowMajorMatrix rows = RowMajorMatrix::Zero(n, unknowns_.size() + 1);
+  StreamSamples(prepared_, unknowns_, recording, [&](const Sample& sample) {
+    rows.leftCols(n) = drive * sample.signal.asDiagonal();
+    rows.middleCols(n, unknowns_.num_columns()) = -sample.columns;
+    rows.col(unknowns_.size()) = -sample.known;
     visit(rows);
   });
 }

@@ -20,8 +20,9 @@
 
 #include "core/base/status.h"
 #include "core/dynamics/parameters.h"
-#include "core/model/observation_stream.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
+#include "core/model/sample_stream.h"
+#include "core/model/unknowns.h"
 #include "core/statistics/triangular_factor.h"
 
 namespace idim {
@@ -44,9 +45,6 @@ struct GainSystem {
   void Merge(const GainSystem& other);
 };
 
-// g1..gn.
-std::vector<Parameter> GainParameters(int dof);
-
 // The rows of W_tot, one decimated sample after the other.
 class GainRows {
  public:
@@ -54,20 +52,20 @@ class GainRows {
   // BadInput as BuildGainSystem. `prepared` must outlive this.
   static Result<GainRows> Create(const PreparedStudy& prepared);
 
-  const std::vector<Parameter>& unknowns() const { return unknowns_; }
-  // Calls `visit` with n x (unknowns + 1) for each sample in order of time.
-  void Stream(const PreparedRecording& recording, const std::function<void(const RowMajorMatrix& rows)>& visit) const;
+  const Unknowns& unknowns() const { return unknowns_; }
+  // Calls `visit` with n x (unknowns + 1) for each sample of a recording of the data in order of time.
+  void Stream(int recording, const std::function<void(const RowMajorMatrix& rows)>& visit) const;
 
  private:
-  explicit GainRows(const PreparedStudy& prepared) : prepared_(prepared) {}
+  explicit GainRows(const PreparedStudy& prepared)
+      : prepared_(prepared), unknowns_(prepared.model, UncertainPayload::kExact) {}
 
   const PreparedStudy& prepared_;
-  std::vector<Parameter> unknowns_;
-  std::vector<std::array<int, kNumInertial>> payload_columns_;
+  const Unknowns unknowns_;
 };
 
 // BadInput: what BuildGainSystem refuses.
-Status CheckGainStudy(const Study& study);
+Status CheckGainStudy(const PreparedStudy& prepared);
 
 // One pass over the identification recordings of a study with gains.mode identify.
 // BadInput: gains that are known; no identification recording with a payload of which a parameter other than 0 is

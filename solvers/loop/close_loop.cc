@@ -52,11 +52,11 @@ bool Has(const std::vector<ActiveEffect>& effects, const ActiveEffect& one) {
 class Loop {
  public:
   Loop(const LoopOptions& options, JudgedFit declared)
-      : options_(options), model_(std::move(declared)), declared_(model_.fit.prepared.effects) {}
+      : options_(options), model_(std::move(declared)), declared_(model_.fit.prepared.model.effects) {}
 
   const JudgedFit& model() const { return model_; }
 
-  int added() const { return static_cast<int>(model_.fit.prepared.effects.size() - declared_.size()); }
+  int added() const { return static_cast<int>(model_.fit.prepared.model.effects.size() - declared_.size()); }
 
   // Adds one effect. False: nothing passes.
   bool Add(LoopResult* result) {
@@ -100,7 +100,7 @@ class Loop {
   // Drops or replaces effects beside all others. False: nothing changed.
   bool Reconsider(LoopResult* result) {
     // Shapes that were held while effects were missing may be told now.
-    std::vector<ActiveEffect> released = model_.fit.prepared.effects;
+    std::vector<ActiveEffect> released = model_.fit.prepared.model.effects;
     const bool any_held =
         std::any_of(released.begin(), released.end(), [](const ActiveEffect& effect) { return effect.held; });
     for (ActiveEffect& effect : released) effect.held = false;
@@ -110,16 +110,16 @@ class Loop {
     bool changed = DropWrongSigns(result);
     // While one is judged the next is fitted already, for nothing where the model changes.
     std::future<std::optional<JudgedFit>> ahead;
-    for (size_t e = 0; e < model_.fit.prepared.effects.size();) {
-      const ActiveEffect effect = model_.fit.prepared.effects[e];
+    for (size_t e = 0; e < model_.fit.prepared.model.effects.size();) {
+      const ActiveEffect effect = model_.fit.prepared.model.effects[e];
       if (Has(declared_, effect)) {
         ++e;
         continue;
       }
       Say("is " + EffectTitle(effect) + " needed beside the others?");
       std::optional<JudgedFit> without = ahead.valid() ? ahead.get() : JudgedWithout(effect);
-      if (options_.threads > 1 && e + 1 < model_.fit.prepared.effects.size()) {
-        const ActiveEffect next = model_.fit.prepared.effects[e + 1];
+      if (options_.threads > 1 && e + 1 < model_.fit.prepared.model.effects.size()) {
+        const ActiveEffect next = model_.fit.prepared.model.effects[e + 1];
         ahead = std::async(std::launch::async, [this, next] { return JudgedWithout(next); });
       }
       if (!without) {
@@ -183,14 +183,14 @@ class Loop {
   }
 
   Result<EffectFit> With(const ActiveEffect& effect) const {
-    std::vector<ActiveEffect> effects = model_.fit.prepared.effects;
+    std::vector<ActiveEffect> effects = model_.fit.prepared.model.effects;
     effects.push_back(effect);
     return Refit(model_.fit, effects);
   }
 
   Result<EffectFit> Without(const ActiveEffect& effect) const {
     std::vector<ActiveEffect> others;
-    for (const ActiveEffect& other : model_.fit.prepared.effects) {
+    for (const ActiveEffect& other : model_.fit.prepared.model.effects) {
       if (!SameEffect(other, effect)) others.push_back(other);
     }
     return Refit(model_.fit, others);
@@ -219,7 +219,7 @@ class Loop {
   void Record(const EffectScan& scan, const std::vector<EffectCandidate>& passing, size_t chosen, const JudgedFit& next,
               LoopResult* result) const {
     LoopStep step;
-    step.effect = next.fit.prepared.effects.back();
+    step.effect = next.fit.prepared.model.effects.back();
     step.candidate = passing[chosen];
     step.threshold = options_.significance;
     step.before = ErrorsOf(model_, result->held_out_by_blocks);
@@ -268,7 +268,7 @@ class Loop {
     EffectScan scan = Scan(without, effect.joints);
     for (const EffectCandidate& candidate : scan.candidates) {
       if (SameEffect(candidate.effect, effect) || !Passes(candidate)) continue;
-      std::vector<ActiveEffect> effects = without.fit.prepared.effects;
+      std::vector<ActiveEffect> effects = without.fit.prepared.model.effects;
       effects.push_back(candidate.effect);
       Result<EffectFit> fit = Refit(without.fit, effects);
       if (!fit.ok() || !WrongSigns(*fit).empty()) continue;
@@ -322,13 +322,10 @@ bool LoopOptions::IsValid(std::string* error) const {
 Result<LoopResult> CloseLoop(const PreparedStudy& as_recorded, const LoopOptions& options) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
-  PreparedStudy prepared = as_recorded;
-  SetVelocityZeroAtRest(&prepared);
+  const PreparedStudy prepared{WithVelocityZeroAtRest(*as_recorded.data), as_recorded.model};
   LoopResult result(prepared);
   result.given = options;
-  for (const PreparedRecording& recording : prepared.recordings) {
-    result.held_out_by_blocks &= recording.entry.use == Use::kIdentification;
-  }
+  result.held_out_by_blocks = prepared.model.RecordingsFor(Use::kValidation).empty();
   if (options.progress) options.progress("fitting the declared model");
   Result<EffectFit> declared = FitWithDeclaredEffects(prepared);
   if (!declared.ok()) {
@@ -351,7 +348,7 @@ Result<LoopResult> CloseLoop(const PreparedStudy& as_recorded, const LoopOptions
   result.final = ErrorsOf(loop.model(), result.held_out_by_blocks);
   // Values and shapes of the last fit, in which effects found later take part.
   for (LoopStep& step : result.steps) {
-    for (const ActiveEffect& effect : loop.model().fit.prepared.effects) {
+    for (const ActiveEffect& effect : loop.model().fit.prepared.model.effects) {
       if (SameEffect(step.effect, effect)) step.effect = effect;
     }
   }

@@ -31,7 +31,7 @@
 
 #include "core/base/status.h"
 #include "core/effects/effect.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "solvers/estimators/eiv_identification.h"
 #include "solvers/loop/effect_fit.h"
 #include "solvers/loop/effect_scan.h"

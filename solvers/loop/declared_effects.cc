@@ -51,7 +51,7 @@ Result<Declared> Resolve(const PreparedStudy& prepared, const PlacedEffect& decl
   }
   for (const ShapeParameter& shape : shapes) {
     const std::string name = ShapeParameterName(declared.effect->id(), shape.name, declared.joints);
-    for (const Prior& prior : prepared.study.priors) {
+    for (const Prior& prior : prepared.model.priors) {
       if (prior.parameter != name) continue;
       return Status::BadInput(prior.where + ": '" + name + "' is a shape, which takes no prior; expected its start " +
                               "value under key 'effects'");
@@ -60,61 +60,40 @@ Result<Declared> Resolve(const PreparedStudy& prepared, const PlacedEffect& decl
   return result;
 }
 
-// The study's priors but those on parameters of effects that are not in the model yet.
-std::vector<Prior> PriorsWith(const Study& study, const std::vector<PlacedEffect>& placed,
-                              const std::vector<ActiveEffect>& effects) {
-  std::vector<Prior> priors;
-  for (const Prior& prior : study.priors) {
-    bool waits = false;
-    for (const PlacedEffect& declared : placed) {
-      for (const Parameter& parameter : declared.effect->Parameters(study.robot, declared.joints)) {
-        const bool there = std::any_of(effects.begin(), effects.end(), [&](const ActiveEffect& active) {
-          return active.effect == declared.effect && active.joints == declared.joints;
-        });
-        waits |= parameter.name == prior.parameter && !there;
-      }
-    }
-    if (!waits) priors.push_back(prior);
-  }
-  return priors;
-}
-
 // In the study's order, whatever the order in which they are added.
-Result<EffectFit> RefitWith(const EffectFit& from, const Study& study, const std::vector<ActiveEffect>& effects) {
-  EffectFit start = from;
-  const std::vector<PlacedEffect>& placed = from.prepared.declared;
-  start.prepared.study.priors = PriorsWith(study, placed, effects);
+Result<EffectFit> RefitWith(const EffectFit& from, const std::vector<ActiveEffect>& effects) {
   std::vector<ActiveEffect> sorted;
-  for (const PlacedEffect& declared : placed) {
+  for (const PlacedEffect& declared : from.prepared.model.declared) {
     for (const ActiveEffect& active : effects) {
       if (active.effect == declared.effect && active.joints == declared.joints) sorted.push_back(active);
     }
   }
-  return Refit(start, sorted);
+  return Refit(from, sorted);
 }
 
-Status Name(const std::vector<ActiveEffect>& effects, const Study& study, const Status& status) {
+Status WithEffectNames(const std::vector<ActiveEffect>& effects, const std::string& study, const Status& status) {
   if (status.code() == StatusCode::kBadInput) return status;
   std::vector<std::string> titles;
   for (const ActiveEffect& active : effects) titles.push_back(EffectTitle(active));
-  return Status::Untrusted(study.path + ": key 'effects': with " + Join(titles, ", ") +
+  return Status::Untrusted(study + ": key 'effects': with " + Join(titles, ", ") +
                            " the model cannot be fitted: " + status.message());
 }
 
 // Those whose shape is known. Where they cannot be fitted together, the first with which it fails is named.
-Result<EffectFit> AddKnown(const EffectFit& from, const Study& study, const std::vector<ActiveEffect>& effects) {
-  Result<EffectFit> together = RefitWith(from, study, effects);
+Result<EffectFit> AddKnown(const EffectFit& from, const std::vector<ActiveEffect>& effects) {
+  const std::string& study = from.prepared.path();
+  Result<EffectFit> together = RefitWith(from, effects);
   if (together.ok() || effects.size() == 1) {
-    return together.ok() ? together : Result<EffectFit>(Name(effects, study, together.status()));
+    return together.ok() ? together : Result<EffectFit>(WithEffectNames(effects, study, together.status()));
   }
   for (const ActiveEffect& one : effects) {
-    const Result<EffectFit> fit = RefitWith(from, study, {one});
-    if (!fit.ok()) return Name({one}, study, fit.status());
+    const Result<EffectFit> fit = RefitWith(from, {one});
+    if (!fit.ok()) return WithEffectNames({one}, study, fit.status());
   }
-  return Name(effects, study, together.status());
+  return WithEffectNames(effects, study, together.status());
 }
 
-bool IsSettled(const EffectFit& fit) {
+bool HaveConverged(const EffectFit& fit) {
   for (int k = 0; k < fit.data.num_unknowns(); ++k) {
     if (fit.data.unknowns[k].kind != ParameterKind::kEffectShape) continue;
     if (std::abs(fit.summary.values[k]) > kShapeSettled * std::sqrt(fit.summary.covariance(k, k))) return false;
@@ -125,40 +104,36 @@ bool IsSettled(const EffectFit& fit) {
 }  // namespace
 
 Result<EffectFit> FitWithDeclaredEffects(const PreparedStudy& prepared) {
-  const Study& study = prepared.study;
-  const std::vector<PlacedEffect>& placed = prepared.declared;
   std::vector<ActiveEffect> known, to_find;
-  for (const PlacedEffect& declared : placed) {
+  for (const PlacedEffect& declared : prepared.model.declared) {
     Result<Declared> resolved = Resolve(prepared, declared);
     if (!resolved.ok()) return resolved.status();
     (resolved->has_shape ? known : to_find).push_back(std::move(resolved->active));
   }
-  PreparedStudy without = prepared;
-  without.study.priors = PriorsWith(study, placed, {});
-  Result<EffectFit> fit = FitDeclared(without);
+  Result<EffectFit> fit = FitDeclared(prepared);
   if (!fit.ok()) return fit.status();
   if (!known.empty()) {
-    fit = AddKnown(*fit, study, known);
+    fit = AddKnown(*fit, known);
     if (!fit.ok()) return fit.status();
   }
   for (const ActiveEffect& declared : to_find) {
-    const ResidualModel residual(fit->prepared, fit->data, fit->summary);
-    std::vector<ActiveEffect> effects = fit->prepared.effects;
+    const ResidualModel residual(fit->prepared.base(), fit->data, fit->summary);
+    std::vector<ActiveEffect> effects = fit->prepared.model.effects;
     effects.push_back(FindShape(fit->prepared, residual, fit->Arm(), declared));
-    Result<EffectFit> next = RefitWith(*fit, study, effects);
-    if (!next.ok()) return Name({declared}, study, next.status());
+    Result<EffectFit> next = RefitWith(*fit, effects);
+    if (!next.ok()) return WithEffectNames({declared}, prepared.path(), next.status());
     fit = std::move(next);
   }
-  for (int k = 0; k < kMaxRefits && !IsSettled(*fit); ++k) {
-    Result<EffectFit> next = RefitWith(*fit, study, fit->prepared.effects);
-    if (!next.ok()) return Name(fit->prepared.effects, study, next.status());
+  for (int k = 0; k < kMaxRefits && !HaveConverged(*fit); ++k) {
+    Result<EffectFit> next = RefitWith(*fit, fit->prepared.model.effects);
+    if (!next.ok()) return WithEffectNames(fit->prepared.model.effects, prepared.path(), next.status());
     fit = std::move(next);
   }
   return fit;
 }
 
 Result<PreparedStudy> DeclareEffects(const PreparedStudy& prepared) {
-  if (prepared.study.effects.empty()) return prepared;
+  if (prepared.model.declared.empty()) return prepared;
   Result<EffectFit> fit = FitWithDeclaredEffects(prepared);
   if (!fit.ok()) return fit.status();
   return std::move(fit->prepared);

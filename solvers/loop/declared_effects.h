@@ -15,7 +15,7 @@
 #define IDIM_SOLVERS_LOOP_DECLARED_EFFECTS_H_
 
 #include "core/base/status.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "solvers/loop/effect_fit.h"
 
 namespace idim {

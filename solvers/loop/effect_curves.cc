@@ -21,31 +21,29 @@ double ValueOf(const Estimate& estimate, const std::string& name) {
 }
 
 // Viscous, Coulomb and offset by an estimate, at the recorded instants.
-VectorXd DeclaredFriction(const PreparedStudy& prepared, const PreparedRecording& recording, const Estimate& estimate,
-                          int joint) {
+VectorXd DeclaredFriction(const Data& data, const MeasuredRecording& recording, const Estimate& estimate, int joint) {
   const std::string number = std::to_string(joint + 1);
-  const double sigma = prepared.velocity_sigma[joint];
+  const double sigma = data.velocity_sigma[joint];
   const double viscous = ValueOf(estimate, "Fv" + number), coulomb = ValueOf(estimate, "Fs" + number);
   const double offset = ValueOf(estimate, "off" + number);
-  return recording.states.dq.col(joint).unaryExpr(
+  return recording.states->dq.col(joint).unaryExpr(
       [&](double dq) { return viscous * dq + coulomb * ExpectedSign(dq, sigma) + offset; });
 }
 
 // By the linear parameters; the columns of shapes, whose values are steps that are done, do not count.
-VectorXd EffectTorque(const LoopResult& result, const PreparedRecording& recording, int joint, bool friction) {
-  const PreparedStudy& prepared = result.prepared;
-  const std::vector<int> first = FirstParameters(prepared);
-  VectorXd torque = VectorXd::Zero(recording.states.q.rows());
-  for (const EffectEntry& entry : recording.effects) {
+VectorXd EffectTorque(const LoopResult& result, size_t recording, int joint, bool friction) {
+  const Model& model = result.prepared.model;
+  const Unknowns unknowns(model, UncertainPayload::kExact);
+  VectorXd torque = VectorXd::Zero(result.prepared.data->recordings[recording].states->q.rows());
+  for (const EffectEntry& entry : model.columns->of_recording[recording]) {
     if (entry.joint != joint) continue;
-    const auto k =
-        static_cast<size_t>(std::upper_bound(first.begin(), first.end(), entry.parameter) - first.begin() - 1);
-    const ActiveEffect& active = prepared.effects[k];
-    const size_t linear = active.effect->Parameters(prepared.study.robot, active.joints).size();
-    if (entry.parameter - first[k] >= static_cast<int>(linear) || IsFriction(*active.effect) != friction) continue;
-    if (active.effect->site() == EffectSite::kArm) continue;
-    const std::string& name = prepared.effect_parameters[static_cast<size_t>(entry.parameter)].name;
-    torque += ValueOf(result.after.estimate, name) * entry.torque;
+    const int unknown = unknowns.first_effect() + entry.parameter;
+    size_t e = 0;
+    while (unknown >= unknowns.effect(e).end()) ++e;
+    const Effect& effect = *model.effects[e].effect;
+    if (unknown - unknowns.effect(e).at >= unknowns.effect(e).linear || IsFriction(effect) != friction) continue;
+    if (effect.site() == EffectSite::kArm) continue;
+    torque += ValueOf(result.after.estimate, unknowns[unknown].name) * entry.torque;
   }
   return torque;
 }
@@ -63,7 +61,7 @@ EffectCurve Curve(const LoopResult& result, int joint, bool friction) {
   curve.joint = joint;
   std::vector<std::string> ids;
   bool of_position = true;
-  for (const ActiveEffect& active : result.prepared.effects) {
+  for (const ActiveEffect& active : result.prepared.model.effects) {
     const bool here = std::find(active.joints.begin(), active.joints.end(), joint) != active.joints.end();
     if (!here || IsFriction(*active.effect) != friction) continue;
     ids.push_back(active.effect->id());
@@ -76,17 +74,17 @@ EffectCurve Curve(const LoopResult& result, int joint, bool friction) {
                              : EffectCurve::Over::kModel;
   std::vector<VectorXd> abscissa, data, model, declared;
   Index count = 0;
-  for (size_t r = 0; r < result.prepared.recordings.size(); ++r) {
-    const PreparedRecording& recording = result.prepared.recordings[r];
+  for (size_t r = 0; r < result.prepared.data->recordings.size(); ++r) {
+    const Data& measured = *result.prepared.data;
+    const MeasuredRecording& recording = measured.recordings[r];
     const RecordingSeries& series = result.after.series[r];
-    VectorXd torque = EffectTorque(result, recording, joint, friction);
+    VectorXd torque = EffectTorque(result, r, joint, friction);
     if (friction) {
-      torque += DeclaredFriction(result.prepared, recording, result.after.estimate, joint);
+      torque += DeclaredFriction(measured, recording, result.after.estimate, joint);
       declared.push_back(
-          recording.decimator.Apply(DeclaredFriction(result.prepared, recording, result.before.estimate, joint))
-              .col(0));
+          recording.decimator->Apply(DeclaredFriction(measured, recording, result.before.estimate, joint)).col(0));
     }
-    model.push_back(recording.decimator.Apply(torque).col(0));
+    model.push_back(recording.decimator->Apply(torque).col(0));
     data.push_back(model.back() + series.decimated_torque.col(joint) - series.decimated_model.col(joint));
     abscissa.push_back(friction      ? VectorXd(series.decimated_dq.col(joint))
                        : of_position ? VectorXd(series.decimated_q.col(joint))
@@ -117,7 +115,7 @@ std::vector<EffectCurve> EffectCurves(const LoopResult& result) {
   std::vector<EffectCurve> curves;
   if (result.after.series.empty()) return curves;
   for (const bool friction : {true, false}) {
-    for (int j = 0; j < result.prepared.study.robot.dof(); ++j) {
+    for (int j = 0; j < result.prepared.robot().dof(); ++j) {
       EffectCurve curve = Curve(result, j, friction);
       if (!curve.effects.empty()) curves.push_back(std::move(curve));
     }

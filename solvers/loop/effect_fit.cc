@@ -8,6 +8,7 @@
 
 #include "core/model/active_effects.h"
 #include "solvers/bundle/bundle_problem.h"
+#include "solvers/estimators/assemble_estimate.h"
 
 namespace idim {
 namespace {
@@ -34,30 +35,13 @@ VectorXd StartFrom(const BundleData& from, const VectorXd& values, const BundleD
   return start;
 }
 
-// Where the unknowns of an effect are: `linear` parameters from `at`, then the steps of `shapes` of its shapes.
-struct EffectUnknowns {
-  Index at = 0, linear = 0, shapes = 0;
-};
-
-std::vector<EffectUnknowns> UnknownsOf(const EffectFit& fit) {
-  const std::vector<int> first = FirstParameters(fit.prepared);
-  const Index begin = fit.data.num_gains() + fit.prepared.base.size();
-  std::vector<EffectUnknowns> all;
-  for (size_t e = 0; e < fit.prepared.effects.size(); ++e) {
-    const ActiveEffect& active = fit.prepared.effects[e];
-    const auto linear = static_cast<Index>(active.effect->Parameters(fit.prepared.study.robot, active.joints).size());
-    all.push_back({begin + first[e], linear, first[e + 1] - first[e] - linear});
-  }
-  return all;
-}
-
 bool IsFree(const ActiveEffect& active) { return active.values.size() > 0 && active.shape.size() > 0; }
 
 // `from` with the columns of other effects, unsolved. *values: unknowns of `from`, become those of the result.
 EffectFit WithColumns(const EffectFit& from, const std::vector<ActiveEffect>& effects,
                       const std::vector<EffectMotion>& motions, VectorXd* values) {
   EffectFit fit = from;
-  SetEffects(effects, motions, &fit.prepared);
+  fit.prepared.model = WithEffects(from.prepared, effects, motions);
   fit.data = WithEffectsOf(fit.prepared, from.data);
   *values = StartFrom(from.data, *values, fit.data);
   return fit;
@@ -68,12 +52,12 @@ BundleSummary Solve(const EffectFit& fit, const VectorXd& start, bool inference)
   options.priors = fit.data.priors;
   options.signal_sigma = fit.summary.signal_sigma;
   options.inference = inference;
-  return SolveBundle(fit.prepared.base, fit.data, start, options);
+  return SolveBundle(fit.prepared.base(), fit.data, start, options);
 }
 
 // What the bundle minimises, by given weights. friction: unknowns whose Coulomb friction holds at rest.
 double Cost(const EffectFit& fit, const VectorXd& values, const VectorXd& friction, const VectorXd& sigma) {
-  BundleProblem problem(fit.prepared.base, fit.data, fit.data.priors, HuberNorm{});
+  BundleProblem problem(fit.prepared.base(), fit.data, fit.data.priors, HuberNorm{});
   problem.HoldFriction(friction);
   return problem.Evaluate(values, sigma).cost;
 }
@@ -86,13 +70,13 @@ struct Move {
 };
 
 Move MoveOf(const EffectFit& fit, const std::vector<EffectMotion>& motions) {
-  const size_t count = fit.prepared.effects.size();
-  Move move{fit.prepared.effects, std::vector<double>(count, 0.0), std::vector<bool>(count, false)};
-  const std::vector<EffectUnknowns> unknowns = UnknownsOf(fit);
+  const size_t count = fit.prepared.model.effects.size();
+  Move move{fit.prepared.model.effects, std::vector<double>(count, 0.0), std::vector<bool>(count, false)};
+  const Unknowns& unknowns = fit.data.unknowns;
   for (size_t e = 0; e < count; ++e) {
     ActiveEffect& active = move.effects[e];
     const std::vector<ShapeParameter> shapes = active.effect->Shapes(motions, active.joints);
-    const auto [at, linear, free] = unknowns[e];
+    const auto [at, linear, free] = unknowns.effect(e);
     double told = 0.0;
     for (Index k = 0; k < linear; ++k) {
       told = std::max(told, std::abs(fit.summary.values[at + k]) / std::sqrt(fit.summary.covariance(at + k, at + k)));
@@ -121,7 +105,7 @@ bool Backtrack(const EffectFit& fit, const VectorXd& start, const std::vector<Ef
   const double before = Cost(fit, start, start, sigma);
   double part = 1.0;
   for (int k = 0; k <= kHalvings; ++k, part *= 0.5) {
-    std::vector<ActiveEffect> trial = fit.prepared.effects;
+    std::vector<ActiveEffect> trial = fit.prepared.model.effects;
     for (size_t e = 0; e < trial.size(); ++e) {
       trial[e].shape += part * (move->effects[e].shape - trial[e].shape);
       trial[e].values.resize(0);
@@ -139,7 +123,7 @@ bool Backtrack(const EffectFit& fit, const VectorXd& start, const std::vector<Ef
 
 Result<EffectFit> FitDeclared(const PreparedStudy& prepared) {
   Result<GainSystem> system = Status::BadInput("no gains to identify");
-  const bool identify = prepared.study.gains_mode == GainsMode::kIdentify;
+  const bool identify = prepared.model.IdentifiesGains();
   if (identify) {
     system = BuildGainSystem(prepared);
     if (!system.ok()) return system.status();
@@ -147,7 +131,7 @@ Result<EffectFit> FitDeclared(const PreparedStudy& prepared) {
   Result<EivFit> fit = FitEiv(prepared, identify ? &*system : nullptr, EivOptions());
   if (!fit.ok()) return fit.status();
   if (!fit->summary.IsSolutionUsable()) return fit->summary.status;
-  return EffectFit{prepared, std::move(fit->data), std::move(fit->summary), std::move(fit->estimate)};
+  return EffectFit{prepared, std::move(fit->data), std::move(fit->summary), std::move(fit->header)};
 }
 
 Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& effects) {
@@ -198,27 +182,29 @@ Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& 
   fit.summary = Solve(fit, fit.summary.values, true);
   if (!fit.summary.IsSolutionUsable()) return fit.summary.status;
   // The shapes that the columns have, the values that they were found with.
-  const std::vector<EffectUnknowns> unknowns = UnknownsOf(fit);
-  for (size_t e = 0; e < fit.prepared.effects.size(); ++e) {
-    ActiveEffect& active = fit.prepared.effects[e];
-    if (active.values.size() > 0) active.values = fit.summary.values.segment(unknowns[e].at, unknowns[e].linear);
+  const Unknowns& unknowns = fit.data.unknowns;
+  for (size_t e = 0; e < fit.prepared.model.effects.size(); ++e) {
+    ActiveEffect& active = fit.prepared.model.effects[e];
+    if (active.values.size() > 0)
+      active.values = fit.summary.values.segment(unknowns.effect(e).at, unknowns.effect(e).linear);
   }
   return fit;
 }
 
 std::vector<ActiveEffect> OfWrongSign(const EffectFit& fit) {
   std::vector<ActiveEffect> wrong;
-  const std::vector<EffectUnknowns> unknowns = UnknownsOf(fit);
-  for (size_t e = 0; e < unknowns.size(); ++e) {
-    const ActiveEffect& active = fit.prepared.effects[e];
+  const Unknowns& unknowns = fit.data.unknowns;
+  for (size_t e = 0; e < unknowns.num_effects(); ++e) {
+    const ActiveEffect& active = fit.prepared.model.effects[e];
     if (!active.effect->non_negative()) continue;
-    if (fit.summary.values.segment(unknowns[e].at, unknowns[e].linear).minCoeff() < 0.0) wrong.push_back(active);
+    if (fit.summary.values.segment(unknowns.effect(e).at, unknowns.effect(e).linear).minCoeff() < 0.0)
+      wrong.push_back(active);
   }
   return wrong;
 }
 
 Identification IdentificationOf(const EffectFit& fit) {
-  return IdentificationOf(fit.prepared, fit.data, fit.summary, fit.begun);
+  return ToIdentification(fit.prepared, SummaryOf(fit.data, fit.summary, fit.header));
 }
 
 }  // namespace idim

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/status.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "solvers/bundle/bundle.h"
 #include "solvers/bundle/bundle_data.h"
 #include "solvers/estimators/eiv_identification.h"
@@ -20,9 +20,9 @@ struct EffectFit {
   PreparedStudy prepared;  // with the effects
   BundleData data;
   BundleSummary summary;
-  Estimate begun;  // names, start, gain diagnoses of the declared model
+  Estimate header;  // names, start, gain diagnoses of the declared model
 
-  ArmParameters Arm() const { return ArmOf(prepared, data, summary.values); }
+  ArmParameters Arm() const { return data.unknowns.Arm(summary.values); }
 };
 
 // The declared model. BadInput: as IdentifyEiv. Untrusted where it cannot be fitted.

@@ -24,9 +24,9 @@ struct Place {
 
 std::vector<Place> Places(const PreparedStudy& prepared, const ScanOptions& options) {
   std::vector<Place> places;
-  const int n = prepared.study.robot.dof();
+  const int n = prepared.robot().dof();
   const auto add = [&](const Effect* effect, const std::vector<int>& joints) {
-    for (const ActiveEffect& active : prepared.effects) {
+    for (const ActiveEffect& active : prepared.model.effects) {
       if (active.effect == effect && active.joints == joints) return;
     }
     if (!options.only_joints.empty() && joints != options.only_joints) return;
@@ -51,18 +51,20 @@ class Columns {
           const ArmParameters& arm)
       : prepared_(prepared), residual_(residual) {
     for (size_t r = 0; r < motions.size(); ++r) {
-      const PreparedRecording& recording = prepared.recordings[r];
-      if (recording.entry.use != Use::kIdentification) continue;
+      const RecordingRole& role = prepared.model.roles[r];
+      if (role.use != Use::kIdentification) continue;
+      const Data& data = *prepared.data;
+      const Decimator& decimator = *data.recordings[r].decimator;
       recorded_.push_back(motions[r]);
-      decimators_.push_back(&recording.decimator);
-      JointStates states = recording.states;
-      states.t = recording.decimator.times();
-      for (MatrixXd* m : {&states.q, &states.dq, &states.ddq}) *m = recording.decimator.Apply(*m);
-      decimated_.push_back(MakeEffectMotion(prepared.base, states, static_cast<int>(r), prepared.velocity_sigma,
-                                            arm.chi.head(prepared.base.size()), arm.Carried(recording.entry),
-                                            prepared.position_sigma));
+      decimators_.push_back(&decimator);
+      JointStates states = *data.recordings[r].states;
+      states.t = decimator.times();
+      for (MatrixXd* m : {&states.q, &states.dq, &states.ddq}) *m = decimator.Apply(*m);
+      decimated_.push_back(MakeEffectMotion(prepared.base(), states, static_cast<int>(r), data.velocity_sigma,
+                                            arm.chi.head(prepared.base().size()), arm.Carried(role),
+                                            data.position_sigma));
       decimated_.back().derivative_cutoff_hz = motions[r].derivative_cutoff_hz;
-      decimated_.back().torque = recording.decimator.Apply(motions[r].torque);
+      decimated_.back().torque = decimator.Apply(motions[r].torque);
     }
   }
 
@@ -71,7 +73,7 @@ class Columns {
 
   // Whitened, samples n x parameters.
   MatrixXd Whitened(const Place& place, const VectorXd& shape, bool recorded) const {
-    const Index parameters = static_cast<Index>(place.effect->Parameters(prepared_.study.robot, place.joints).size());
+    const Index parameters = static_cast<Index>(place.effect->Parameters(prepared_.robot(), place.joints).size());
     const int n = residual_.dof();
     std::vector<MatrixXd> torques(static_cast<size_t>(n));
     for (size_t r = 0; r < recorded_.size(); ++r) {

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "core/effects/effect.h"
+#include "core/model/model.h"
 #include "core/model/prediction.h"
-#include "core/model/prepared_study.h"
 #include "solvers/bundle/residual_model.h"
 
 namespace idim {

@@ -41,7 +41,7 @@ class ErrorSum {
 }  // namespace
 
 LoopErrors ErrorsOf(const JudgedFit& model, bool by_blocks) {
-  const std::vector<BundleSample>& samples = model.fit.data.samples;
+  const std::vector<BundleSample>& samples = model.fit.data.samples();
   const int n = model.residual.dof();
   const MatrixXd torque = model.residual.torque();
   MatrixXd velocity(torque.rows(), n);
@@ -53,11 +53,11 @@ LoopErrors ErrorsOf(const JudgedFit& model, bool by_blocks) {
     validation.Add(model.held_out.residual, torque, velocity);
   } else {
     const StatedModel stated = AsStated(model.fit.prepared, model.fit.Arm());
-    for (const PreparedRecording& recording : stated.prepared.recordings) {
-      if (recording.entry.use == Use::kIdentification) continue;
-      const RecordingSeries series = Predict(stated.prepared, recording, stated.arm);
+    for (const int r : stated.prepared.model.RecordingsFor(Use::kValidation)) {
+      const MeasuredRecording& recording = stated.prepared.data->recordings[static_cast<size_t>(r)];
+      const RecordingSeries series = Predict(stated.prepared, r, stated.arm);
       validation.Add(series.decimated_torque - series.decimated_model, series.decimated_torque,
-                     recording.decimator.Apply(recording.states.dq));
+                     recording.decimator->Apply(recording.states->dq));
     }
   }
   LoopErrors errors;

@@ -19,7 +19,7 @@ struct JudgedFit {
 
   explicit JudgedFit(EffectFit fit_in)
       : fit(std::move(fit_in)),
-        residual(fit.prepared, fit.data, fit.summary),
+        residual(fit.prepared.base(), fit.data, fit.summary),
         held_out(residual.CrossValidate(Eigen::MatrixXd(residual.residual().size(), 0))) {}
 };
 

@@ -27,11 +27,11 @@ struct Signal {
 
 // Without the noise of the states: it is in the residual too (of a joint at rest ddq is nothing else), and would be
 // found.
-VectorXd Smooth(const PreparedStudy& prepared, const PreparedRecording& recording, const MatrixXd& of, int joint) {
+VectorXd Smooth(const PreparedStudy& prepared, const MeasuredRecording& recording, const MatrixXd& of, int joint) {
   EffectMotion motion;
-  motion.t = recording.states.t;
-  motion.derivative_cutoff_hz = kDerivativeBand * prepared.preprocessing.cutoff_hz;
-  return recording.decimator.Apply(ForDerivatives(motion, of.col(joint)));
+  motion.t = recording.states->t;
+  motion.derivative_cutoff_hz = kDerivativeBand * prepared.data->preprocessing.cutoff_hz;
+  return recording.decimator->Apply(ForDerivatives(motion, of.col(joint)));
 }
 
 std::vector<Signal> SignalsOf(const PreparedStudy& prepared, const ResidualModel& residual, int joint) {
@@ -40,27 +40,26 @@ std::vector<Signal> SignalsOf(const PreparedStudy& prepared, const ResidualModel
   const auto stack = [&](auto get) {
     VectorXd value(residual.samples());
     size_t range = 0;
-    for (const PreparedRecording& recording : prepared.recordings) {
-      if (recording.entry.use != Use::kIdentification) continue;
+    for (const int r : prepared.model.RecordingsFor(Use::kIdentification)) {
       const auto [begin, end] = residual.recordings()[range++];
-      value.segment(begin, end - begin) = get(recording);
+      value.segment(begin, end - begin) = get(prepared.data->recordings[static_cast<size_t>(r)]);
     }
     return value;
   };
   for (int j = 0; j < n; ++j) {
     const std::string number = std::to_string(j + 1);
-    signals.push_back({"q" + number, stack([&](const PreparedRecording& r) {
-                         return VectorXd(r.decimator.Apply(r.states.q.col(j)));
+    signals.push_back({"q" + number, stack([&](const MeasuredRecording& r) {
+                         return VectorXd(r.decimator->Apply(r.states->q.col(j)));
                        })});
     signals.push_back(
-        {"dq" + number, stack([&](const PreparedRecording& r) { return Smooth(prepared, r, r.states.dq, j); })});
+        {"dq" + number, stack([&](const MeasuredRecording& r) { return Smooth(prepared, r, r.states->dq, j); })});
     signals.push_back(
-        {"ddq" + number, stack([&](const PreparedRecording& r) { return Smooth(prepared, r, r.states.ddq, j); })});
+        {"ddq" + number, stack([&](const MeasuredRecording& r) { return Smooth(prepared, r, r.states->ddq, j); })});
   }
   // Of the model: the measured one has the residual in it.
   signals.push_back(
       {"tau" + std::to_string(joint + 1), residual.torque().col(joint) - residual.TorqueResidual().col(joint)});
-  signals.push_back({"t", stack([](const PreparedRecording& r) { return r.decimator.times(); })});
+  signals.push_back({"t", stack([](const MeasuredRecording& r) { return r.decimator->times(); })});
   return signals;
 }
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "solvers/bundle/residual_model.h"
 
 namespace idim {

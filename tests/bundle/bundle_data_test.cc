@@ -47,9 +47,9 @@ class StateDerivativesTest : public ::testing::TestWithParam<const char*> {
   VectorXd Torque(const VectorXd& state, int recording, const VectorXd& chi) {
     const int n = study_.data.dof;
     VectorXd tau(n);
-    StandardModel model = study_.prepared.base.model();
+    StandardModel model = study_.prepared.base().model();
     model.Torque(state.data(), state.data() + n, state.data() + 2 * n, nullptr,
-                 testing::SmoothStandardParameters(study_.prepared.base, chi),
+                 testing::SmoothStandardParameters(study_.prepared.base(), chi),
                  testing::CarriedPayload(study_.data, recording, chi), tau.data());
     return tau;
   }
@@ -57,7 +57,7 @@ class StateDerivativesTest : public ::testing::TestWithParam<const char*> {
   // The columns of the unknown parameters, zero for those of Coulomb friction.
   MatrixXd SmoothColumns(const VectorXd& state, int recording) {
     const int n = study_.data.dof;
-    const BaseParameters& base = study_.prepared.base;
+    const BaseParameters& base = study_.prepared.base();
     StandardModel model = base.model();
     StateDerivatives::RowMajorMatrix w(n, model.columns()), payload(n, kNumInertial);
     model.Regressor(state.data(), state.data() + n, state.data() + 2 * n, nullptr, w.data());
@@ -68,7 +68,7 @@ class StateDerivativesTest : public ::testing::TestWithParam<const char*> {
     }
     const int carried = study_.data.payload_of_recording[recording];
     for (int k = 0; carried >= 0 && k < kNumInertial; ++k) {
-      const int column = study_.data.payload_columns[carried][k];
+      const int column = study_.data.payload_column(carried, k);
       if (column >= 0) columns.col(column) = payload.col(k);
     }
     return columns;
@@ -76,7 +76,7 @@ class StateDerivativesTest : public ::testing::TestWithParam<const char*> {
 
   // One of each recording.
   std::vector<const BundleSample*> Samples() const {
-    return {&study_.data.samples[3], &study_.data.samples[study_.data.samples.size() - 4]};
+    return {&study_.data.samples()[3], &study_.data.samples()[study_.data.samples().size() - 4]};
   }
 
   BundleStudy study_;
@@ -85,7 +85,7 @@ class StateDerivativesTest : public ::testing::TestWithParam<const char*> {
 // Central differences of step h are off by h^2/6 of the third derivative and by rounding / h: 1e-8 of the largest.
 TEST_P(StateDerivativesTest, TorqueIsTheNumericDerivative) {
   const BundleData& data = study_.data;
-  StateDerivatives derivatives(study_.prepared.base, data);
+  StateDerivatives derivatives(study_.prepared.base(), data);
   const VectorXd chi = study_.truth.tail(data.num_columns());
   for (const BundleSample* sample : Samples()) {
     MatrixXd d, numeric(data.dof, 3 * data.dof);
@@ -104,7 +104,7 @@ TEST_P(StateDerivativesTest, TorqueIsTheNumericDerivative) {
 
 TEST_P(StateDerivativesTest, ColumnsAreTheNumericDerivativeAlongADeviation) {
   const BundleData& data = study_.data;
-  StateDerivatives derivatives(study_.prepared.base, data);
+  StateDerivatives derivatives(study_.prepared.base(), data);
   Random random(5);
   for (const BundleSample* sample : Samples()) {
     const VectorXd deviation = random.Vector(3 * data.dof, 1.0);
@@ -122,7 +122,7 @@ TEST_P(StateDerivativesTest, ColumnsAreTheNumericDerivativeAlongADeviation) {
 // D(chi) d = D(0) d + (dW d) chi: recursion against regressor, to rounding.
 TEST_P(StateDerivativesTest, TorqueAndColumnsAreTheSameDerivative) {
   const BundleData& data = study_.data;
-  StateDerivatives derivatives(study_.prepared.base, data);
+  StateDerivatives derivatives(study_.prepared.base(), data);
   Random random(6);
   for (const BundleSample* sample : Samples()) {
     const VectorXd chi = random.Vector(data.num_columns(), 2.0), deviation = random.Vector(3 * data.dof, 1.0);
@@ -147,9 +147,9 @@ TEST(BundleData, NoiseFreeSamplesFulfilTheModelAtTheTruth) {
     const GainStudy study = MakeGainStudy(scenario);
     const Result<BundleData> data = BuildBundleData(study.prepared);
     ASSERT_TRUE(data.ok()) << data.status().message();
-    ASSERT_GT(data->samples.size(), 100u);
+    ASSERT_GT(data->samples().size(), 100u);
     ASSERT_EQ(data->num_unknowns(), study.truth.size());
-    for (const BundleSample& sample : data->samples) {
+    for (const BundleSample& sample : data->samples()) {
       const VectorXd torque = sample.columns * study.truth.tail(data->num_columns()) + sample.known;
       const VectorXd signal = (data->inverse_drive * torque).cwiseQuotient(scenario.gains);
       ASSERT_LT((signal - sample.signal).norm(), 1e-10 * sample.signal.norm());

@@ -42,15 +42,15 @@ Dense EvaluateDense(const BundleStudy& study, const std::vector<BundlePrior>& pr
                     const VectorXd& sigma, double threshold) {
   const BundleData& data = study.data;
   const int n = data.dof, c = data.num_unknowns();
-  StateDerivatives derivatives(study.prepared.base, data);
+  StateDerivatives derivatives(study.prepared.base(), data);
   const VectorXd gains = data.Gains(theta), chi = theta.tail(data.num_columns());
   const MatrixXd drive = gains.cwiseInverse().asDiagonal() * data.inverse_drive;
   Dense result;
   result.normal.setZero(c + 1, c + 1);
-  result.scores.setZero(static_cast<Index>(data.samples.size()), c);
+  result.scores.setZero(static_cast<Index>(data.samples().size()), c);
   result.squares = result.spread = VectorXd::Zero(n);
-  for (size_t k = 0; k < data.samples.size(); ++k) {
-    const BundleSample& sample = data.samples[k];
+  for (size_t k = 0; k < data.samples().size(); ++k) {
+    const BundleSample& sample = data.samples()[k];
     MatrixXd d;
     StateDerivatives::RowMajorMatrix change;
     derivatives.Torque(sample, chi, &d);
@@ -115,15 +115,14 @@ TEST_P(Whitening, IsThatOfTheDenseMatrices) {
     VectorXd theta = study.truth;
     for (Index i = 0; i < theta.size(); ++i) theta[i] *= i % 2 == 0 ? 1.05 : 0.95;
     if (GetParam().known_gains) {
-      data.known_gains = theta.head(n);
-      data.unknowns.erase(data.unknowns.begin(), data.unknowns.begin() + n);
+      data.unknowns = data.unknowns.WithKnownGains(theta.head(n));
       theta = theta.tail(data.num_columns()).eval();
     }
     const std::vector<BundlePrior> priors = {{1, theta[1] + 0.3, 0.5}, {data.num_unknowns() - 1, 0.1, 0.2}};
     const double huge = 1e9, threshold = GetParam().threshold > 0.0 ? GetParam().threshold : huge;
     const Dense expected = EvaluateDense(study, priors, theta, study.sigma, threshold);
-    EXPECT_GE(2 * expected.beyond, GetParam().threshold > 0.0 ? data.samples.size() : 0);
-    BundleProblem problem(study.prepared.base, data, priors, HuberNorm{GetParam().threshold});
+    EXPECT_GE(2 * expected.beyond, GetParam().threshold > 0.0 ? data.samples().size() : 0);
+    BundleProblem problem(study.prepared.base(), data, priors, HuberNorm{GetParam().threshold});
     const BundleProblem::Evaluation at = problem.Evaluate(theta, study.sigma);
     EXPECT_NEAR(at.cost, expected.cost, 1e-11 * expected.cost);
     EXPECT_NEAR(at.log_determinants, expected.log_determinants, 1e-11 * std::abs(expected.log_determinants));

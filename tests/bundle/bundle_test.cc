@@ -16,6 +16,7 @@
 namespace idim {
 namespace {
 
+using testing::EditSamples;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using ::testing::AllOf;
@@ -67,8 +68,8 @@ TEST(Bundle, HuberLossBearsOutliersAndKeepsTheWeights) {
   BundleStudy study = Arm3();
   BundleOptions squares, huber;
   huber.huber_threshold = 1.5;
-  const BundleSummary clean = SolveBundle(study.prepared.base, study.data, study.truth, squares);
-  const BundleSummary robust = SolveBundle(study.prepared.base, study.data, study.truth, huber);
+  const BundleSummary clean = SolveBundle(study.prepared.base(), study.data, study.truth, squares);
+  const BundleSummary robust = SolveBundle(study.prepared.base(), study.data, study.truth, huber);
   ASSERT_TRUE(clean.IsSolutionUsable() && robust.IsSolutionUsable()) << robust.status.message();
   EXPECT_GT(Distance(robust.values, clean.values, clean.covariance), 1e-3) << "the loss does something";
   EXPECT_LT(Distance(robust.values, clean.values, clean.covariance), 1.0);
@@ -78,9 +79,11 @@ TEST(Bundle, HuberLossBearsOutliersAndKeepsTheWeights) {
     EXPECT_GT(robust.covariance(j, j), clean.covariance(j, j));
     EXPECT_LT(robust.covariance(j, j), 1.3 * clean.covariance(j, j));
   }
-  for (size_t k = 5; k < study.data.samples.size(); k += 25) study.data.samples[k].signal += 60.0 * study.sigma;
-  const BundleSummary lost = SolveBundle(study.prepared.base, study.data, study.truth, squares);
-  const BundleSummary kept = SolveBundle(study.prepared.base, study.data, study.truth, huber);
+  EditSamples(&study.data, [&](std::vector<BundleSample>* samples) {
+    for (size_t k = 5; k < samples->size(); k += 25) (*samples)[k].signal += 60.0 * study.sigma;
+  });
+  const BundleSummary lost = SolveBundle(study.prepared.base(), study.data, study.truth, squares);
+  const BundleSummary kept = SolveBundle(study.prepared.base(), study.data, study.truth, huber);
   ASSERT_TRUE(kept.IsSolutionUsable()) << kept.status.message();
   const double off = Distance(lost.values, clean.values, clean.covariance);
   EXPECT_GT(off, 10.0);
@@ -92,16 +95,18 @@ TEST(Bundle, KnownGainsAreGainsWithNarrowPriors) {
   const BundleStudy study = Arm3();
   BundleOptions options;
   for (int j = 0; j < 3; ++j) options.priors.push_back({j, study.truth[j], 1e-9 * std::abs(study.truth[j])});
-  const BundleSummary held = SolveBundle(study.prepared.base, study.data, study.truth, options);
+  const BundleSummary held = SolveBundle(study.prepared.base(), study.data, study.truth, options);
   PreparedStudy prepared = study.prepared;
-  prepared.study.gains_mode = GainsMode::kKnown;
-  prepared.study.gains = study.truth.head(3);
+  prepared.model.gains_mode = GainsMode::kKnown;
+  prepared.model.gains = study.truth.head(3);
   Result<BundleData> known = BuildBundleData(prepared);
   ASSERT_TRUE(known.ok()) << known.status().message();
   ASSERT_EQ(known->num_gains(), 0);
-  for (size_t k = 0; k < known->samples.size(); ++k) known->samples[k].signal = study.data.samples[k].signal;
+  EditSamples(&*known, [&](std::vector<BundleSample>* samples) {
+    for (size_t k = 0; k < samples->size(); ++k) (*samples)[k].signal = study.data.samples()[k].signal;
+  });
   const int c = known->num_unknowns();
-  const BundleSummary summary = SolveBundle(prepared.base, *known, study.truth.tail(c), BundleOptions());
+  const BundleSummary summary = SolveBundle(prepared.base(), *known, study.truth.tail(c), BundleOptions());
   ASSERT_TRUE(held.IsSolutionUsable() && summary.IsSolutionUsable()) << summary.status.message();
   // The freedom of three unknowns more is 1e-4 of the residual's, of which the weights know.
   EXPECT_LT(Distance(summary.values, held.values.tail(c), summary.covariance), 1e-2);
@@ -114,9 +119,9 @@ TEST(Bundle, RobustCovarianceIsTheSumOfAutocovariances) {
   BundleOptions options;
   options.hac_lag = 7;
   options.priors = {{1, study.truth[1], 0.3}};
-  const BundleSummary summary = SolveBundle(study.prepared.base, study.data, study.truth, options);
+  const BundleSummary summary = SolveBundle(study.prepared.base(), study.data, study.truth, options);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.status.message();
-  BundleProblem problem(study.prepared.base, study.data, options.priors, HuberNorm{});
+  BundleProblem problem(study.prepared.base(), study.data, options.priors, HuberNorm{});
   problem.HoldFriction(summary.values);
   const BundleProblem::Sensitivity sensitivity = problem.Scores(summary.values, summary.signal_sigma);
   EXPECT_LT(sensitivity.variances.colwise().sum().cwiseAbs().maxCoeff(),
@@ -130,7 +135,7 @@ TEST(Bundle, RobustCovarianceIsTheSumOfAutocovariances) {
   scores += sensitivity.variances * by_variance.transpose();
 
   MatrixXd middle = MatrixXd::Zero(scores.cols(), scores.cols());
-  const auto& samples = study.data.samples;
+  const auto& samples = study.data.samples();
   for (int lag = 0; lag <= 7; ++lag) {
     MatrixXd gamma = MatrixXd::Zero(scores.cols(), scores.cols());
     for (Eigen::Index k = lag; k < scores.rows(); ++k) {
@@ -156,14 +161,14 @@ TEST(Bundle, RobustCovarianceIsTheSumOfAutocovariances) {
 // What the estimated states' error adds to the information, densely and from every sample.
 TEST(Bundle, NoiseInformationIsTheSumOverTheStatesErrors) {
   BundleStudy study = Arm3();
-  study.data.samples.resize(40);
+  EditSamples(&study.data, [](std::vector<BundleSample>* samples) { samples->resize(40); });
   const int n = study.data.dof;
-  const auto& [base, data] = std::tie(study.prepared.base, study.data);
+  const auto& [base, data] = std::tie(study.prepared.base(), study.data);
   StateDerivatives derivatives(base, data);
   const VectorXd inverse_gains = study.truth.head(n).cwiseInverse(), chi = study.truth.tail(data.num_columns());
   MatrixXd d, expected = MatrixXd::Zero(study.truth.size(), study.truth.size());
   StateDerivatives::RowMajorMatrix change;
-  for (const BundleSample& sample : data.samples) {
+  for (const BundleSample& sample : data.samples()) {
     derivatives.Torque(sample, chi, &d);
     const MatrixXd b = inverse_gains.asDiagonal() * data.inverse_drive * d;
     const MatrixXd c = StateCovarianceOf(data, sample.recording);
@@ -198,19 +203,21 @@ TEST(Bundle, NoiseInformationIsTheSumOverTheStatesErrors) {
 // anywhere between -Fs and Fs, and the weights that are estimated do not take it for noise of the signal.
 TEST(Bundle, SamplesAtRestDoNotTellFriction) {
   BundleStudy study = Arm3();
-  const BundleSummary before = SolveBundle(study.prepared.base, study.data, study.truth, BundleOptions());
+  const BundleSummary before = SolveBundle(study.prepared.base(), study.data, study.truth, BundleOptions());
   // Every fifth sample: joint 2's friction torque is half of Fs off, and its sign is not known.
   const int joint = 1, column = study.data.coulomb_columns[joint];
   ASSERT_GE(column, 0);
   const double friction = study.truth[3 + column] / study.truth[joint];
-  for (size_t k = 0; k < study.data.samples.size(); k += 5) {
-    study.data.samples[k].signal[joint] += (k % 2 == 0 ? 0.5 : -0.5) * friction;
-  }
-  const BundleSummary fooled = SolveBundle(study.prepared.base, study.data, study.truth, BundleOptions());
-  for (size_t k = 0; k < study.data.samples.size(); k += 5) {
-    study.data.samples[k].sign_variance = VectorXd::Unit(3, joint);
-  }
-  const BundleSummary careful = SolveBundle(study.prepared.base, study.data, study.truth, BundleOptions());
+  EditSamples(&study.data, [&](std::vector<BundleSample>* samples) {
+    for (size_t k = 0; k < samples->size(); k += 5) {
+      (*samples)[k].signal[joint] += (k % 2 == 0 ? 0.5 : -0.5) * friction;
+    }
+  });
+  const BundleSummary fooled = SolveBundle(study.prepared.base(), study.data, study.truth, BundleOptions());
+  EditSamples(&study.data, [&](std::vector<BundleSample>* samples) {
+    for (size_t k = 0; k < samples->size(); k += 5) (*samples)[k].sign_variance = VectorXd::Unit(3, joint);
+  });
+  const BundleSummary careful = SolveBundle(study.prepared.base(), study.data, study.truth, BundleOptions());
   ASSERT_TRUE(before.IsSolutionUsable() && fooled.IsSolutionUsable() && careful.IsSolutionUsable())
       << careful.status.message();
   EXPECT_GT(fooled.signal_sigma[joint], 1.2 * before.signal_sigma[joint]);
@@ -224,15 +231,17 @@ TEST(Bundle, SamplesAtRestDoNotTellFriction) {
 // T)^(1/3) = 1.1447 (90 * 1200)^(1/3) = 54 at most, where the scores kept all of it.
 TEST(Bundle, LagGrowsWithTheCorrelationOfTheNoise) {
   BundleStudy study = Arm3();
-  const BundleSummary white = SolveBundle(study.prepared.base, study.data, study.truth, BundleOptions());
+  const BundleSummary white = SolveBundle(study.prepared.base(), study.data, study.truth, BundleOptions());
   std::mt19937_64 generator(8);
   std::normal_distribution<double> normal;
   VectorXd state = VectorXd::Zero(3);
-  for (BundleSample& sample : study.data.samples) {
-    for (int j = 0; j < 3; ++j) state[j] = 0.9 * state[j] + 2.0 * study.sigma[j] * normal(generator);
-    sample.signal += state;
-  }
-  const BundleSummary lasting = SolveBundle(study.prepared.base, study.data, study.truth, BundleOptions());
+  EditSamples(&study.data, [&](std::vector<BundleSample>* samples) {
+    for (BundleSample& sample : *samples) {
+      for (int j = 0; j < 3; ++j) state[j] = 0.9 * state[j] + 2.0 * study.sigma[j] * normal(generator);
+      sample.signal += state;
+    }
+  });
+  const BundleSummary lasting = SolveBundle(study.prepared.base(), study.data, study.truth, BundleOptions());
   EXPECT_LE(white.hac_lag, 4);
   EXPECT_GE(lasting.hac_lag, 8);
   EXPECT_LE(lasting.hac_lag, 55);
@@ -245,12 +254,13 @@ TEST(Bundle, LagGrowsWithTheCorrelationOfTheNoise) {
 TEST(Bundle, DirectionsThatTheDataDoNotSeeAreNamed) {
   BundleStudy study = Arm3();
   const int a = 5, b = 9;
-  for (BundleSample& sample : study.data.samples) sample.columns.col(b - 3) = 2.0 * sample.columns.col(a - 3);
-  study.prepared.position_noise.setZero();
+  EditSamples(&study.data, [&](std::vector<BundleSample>* samples) {
+    for (BundleSample& sample : *samples) sample.columns.col(b - 3) = 2.0 * sample.columns.col(a - 3);
+  });
   for (auto& of_joints : study.data.state_covariance) {
     for (auto& covariance : of_joints) covariance.setZero();  // else the derivatives tell the two apart
   }
-  const BundleSummary summary = SolveBundle(study.prepared.base, study.data, study.truth, BundleOptions());
+  const BundleSummary summary = SolveBundle(study.prepared.base(), study.data, study.truth, BundleOptions());
   EXPECT_EQ(summary.status.code(), StatusCode::kUntrusted);
   EXPECT_THAT(summary.status.message(), AllOf(HasSubstr("not identifiable"), HasSubstr(study.data.unknowns[a].name),
                                               HasSubstr(study.data.unknowns[b].name)));
@@ -258,13 +268,13 @@ TEST(Bundle, DirectionsThatTheDataDoNotSeeAreNamed) {
   // A prior on one of them is all that it takes.
   BundleOptions options;
   options.priors = {{b, study.truth[b], 0.01}};
-  EXPECT_TRUE(SolveBundle(study.prepared.base, study.data, study.truth, options).IsSolutionUsable());
+  EXPECT_TRUE(SolveBundle(study.prepared.base(), study.data, study.truth, options).IsSolutionUsable());
 }
 
 TEST(Bundle, FewerEquationsThanUnknownsAreRefused) {
   BundleStudy study = Arm3();
-  study.data.samples.resize(5);
-  const BundleSummary summary = SolveBundle(study.prepared.base, study.data, study.truth, BundleOptions());
+  EditSamples(&study.data, [](std::vector<BundleSample>* samples) { samples->resize(5); });
+  const BundleSummary summary = SolveBundle(study.prepared.base(), study.data, study.truth, BundleOptions());
   EXPECT_THAT(summary.status.message(), HasSubstr("15 equations"));
 }
 
@@ -274,7 +284,7 @@ TEST(Bundle, StopsWithoutClaimingMoreThanItKnows) {
   options.max_iterations = 1;
   VectorXd start = study.truth;
   start.head(3) *= 0.3;
-  const BundleSummary summary = SolveBundle(study.prepared.base, study.data, start, options);
+  const BundleSummary summary = SolveBundle(study.prepared.base(), study.data, start, options);
   EXPECT_FALSE(summary.converged);
   EXPECT_THAT(summary.status.message(), HasSubstr("not converged"));
   EXPECT_EQ(BundleSummary().status.code(), StatusCode::kUntrusted);

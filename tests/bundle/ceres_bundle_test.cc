@@ -15,6 +15,7 @@
 namespace idim {
 namespace {
 
+using testing::EditSamples;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using testing::BundleStudy;
@@ -69,8 +70,9 @@ double CovarianceDifference(const MatrixXd& a, const MatrixXd& b) {
 // The cost's rounding, 1e-16 of it, leaves the minimum uncertain by 1e-8 times the root of the cost, 2e-7 standard
 // deviations, and curvature carries that into the covariance. Covariances are therefore compared at the same unknowns.
 void ExpectSame(const BundleStudy& study) {
-  const BundleSummary closed = SolveBundle(study.prepared.base, study.data, study.truth, ClosedForm(study));
-  const CeresBundleSummary reference = SolveCeresBundle(study.prepared.base, study.data, study.truth, Explicit(study));
+  const BundleSummary closed = SolveBundle(study.prepared.base(), study.data, study.truth, ClosedForm(study));
+  const CeresBundleSummary reference =
+      SolveCeresBundle(study.prepared.base(), study.data, study.truth, Explicit(study));
   ASSERT_TRUE(closed.IsSolutionUsable()) << closed.status.message();
   ASSERT_TRUE(reference.IsSolutionUsable()) << reference.status.message();
   EXPECT_LT(closed.final_cost, 0.99 * closed.initial_cost);
@@ -78,7 +80,7 @@ void ExpectSame(const BundleStudy& study) {
   EXPECT_LT(Distance(closed.values, reference.values, reference.covariance), 1e-5);
   CeresBundleOptions there = Explicit(study);
   there.hold_unknowns = true;
-  const CeresBundleSummary held = SolveCeresBundle(study.prepared.base, study.data, closed.values, there);
+  const CeresBundleSummary held = SolveCeresBundle(study.prepared.base(), study.data, closed.values, there);
   ASSERT_TRUE(held.IsSolutionUsable()) << held.status.message();
   ASSERT_EQ(held.values, closed.values);
   EXPECT_NEAR(held.final_cost, closed.final_cost, 1e-12 * closed.final_cost);
@@ -104,8 +106,8 @@ TEST(CeresBundle, ClosedFormHasTheProfileCost) {
     BundleOptions closed = ClosedForm(study);
     closed.max_iterations = 1;
     closed.priors = options.priors;
-    const double expected = SolveCeresBundle(study.prepared.base, study.data, theta, options).final_cost;
-    const double cost = SolveBundle(study.prepared.base, study.data, theta, closed).initial_cost;
+    const double expected = SolveCeresBundle(study.prepared.base(), study.data, theta, options).final_cost;
+    const double cost = SolveBundle(study.prepared.base(), study.data, theta, closed).initial_cost;
     EXPECT_NEAR(cost, expected, 1e-11 * expected);
   }
 }
@@ -113,7 +115,7 @@ TEST(CeresBundle, ClosedFormHasTheProfileCost) {
 // Priors move both alike: of a gain and of a payload's parameter, three standard deviations off.
 TEST(CeresBundle, PriorsPullBothToTheSameMinimum) {
   const BundleStudy study = NoisyStudy(Arm3());
-  const BundleSummary without = SolveBundle(study.prepared.base, study.data, study.truth, ClosedForm(study));
+  const BundleSummary without = SolveBundle(study.prepared.base(), study.data, study.truth, ClosedForm(study));
   BundleOptions options = ClosedForm(study);
   for (const int unknown : {1, study.data.num_unknowns() - 1}) {
     const double deviation = std::sqrt(without.covariance(unknown, unknown));
@@ -121,8 +123,9 @@ TEST(CeresBundle, PriorsPullBothToTheSameMinimum) {
   }
   CeresBundleOptions explicit_options = Explicit(study);
   explicit_options.priors = options.priors;
-  const BundleSummary closed = SolveBundle(study.prepared.base, study.data, study.truth, options);
-  const CeresBundleSummary reference = SolveCeresBundle(study.prepared.base, study.data, study.truth, explicit_options);
+  const BundleSummary closed = SolveBundle(study.prepared.base(), study.data, study.truth, options);
+  const CeresBundleSummary reference =
+      SolveCeresBundle(study.prepared.base(), study.data, study.truth, explicit_options);
   ASSERT_TRUE(closed.IsSolutionUsable() && reference.IsSolutionUsable());
   EXPECT_GT(Distance(closed.values, without.values, without.covariance), 1.0);
   EXPECT_NEAR(closed.final_cost, reference.final_cost, 1e-9 * reference.final_cost);
@@ -135,12 +138,12 @@ TEST(CeresBundle, PriorsPullBothToTheSameMinimum) {
 // deviations in the Jacobian, iteration stops elsewhere.
 TEST(CeresBundle, GradientVanishesAtTheClosedFormsMinimum) {
   const BundleStudy study = NoisyStudy(Arm3());
-  const BundleSummary best = SolveBundle(study.prepared.base, study.data, study.truth, ClosedForm(study));
+  const BundleSummary best = SolveBundle(study.prepared.base(), study.data, study.truth, ClosedForm(study));
   ASSERT_TRUE(best.IsSolutionUsable());
   BundleOptions options = ClosedForm(study);
   options.max_iterations = 1;
   const auto cost = [&](const VectorXd& theta) {
-    return SolveBundle(study.prepared.base, study.data, theta, options).initial_cost;
+    return SolveBundle(study.prepared.base(), study.data, theta, options).initial_cost;
   };
   const VectorXd held = best.covariance.inverse().diagonal().cwiseSqrt().cwiseInverse();
   constexpr double kStep = 1e-3;
@@ -165,19 +168,19 @@ TEST(CeresBundle, BadStartsEndAtTheMinimumOrAreReported) {
   for (const GainScenario& scenario : {Arm3(), SmallTx40()}) {
     const BundleStudy study = NoisyStudy(scenario);
     const int n = study.data.dof;
-    const BundleSummary best = SolveBundle(study.prepared.base, study.data, study.truth, ClosedForm(study));
+    const BundleSummary best = SolveBundle(study.prepared.base(), study.data, study.truth, ClosedForm(study));
     ASSERT_TRUE(best.IsSolutionUsable());
     CeresBundleOptions options = Explicit(study);
     options.max_iterations = 30;
     options.covariance = false;
     const auto check = [&](const std::string& name, const VectorXd& start, bool closed_arrives, bool explicit_arrives) {
       SCOPED_TRACE(scenario.robot.name + ", " + name);
-      const BundleSummary closed = SolveBundle(study.prepared.base, study.data, start, ClosedForm(study));
+      const BundleSummary closed = SolveBundle(study.prepared.base(), study.data, start, ClosedForm(study));
       if (closed_arrives || closed.IsSolutionUsable()) {
         EXPECT_TRUE(closed.IsSolutionUsable()) << closed.status.message();
         EXPECT_LT(Distance(closed.values, best.values, best.covariance), 1e-5);
       }
-      const CeresBundleSummary reference = SolveCeresBundle(study.prepared.base, study.data, start, options);
+      const CeresBundleSummary reference = SolveCeresBundle(study.prepared.base(), study.data, start, options);
       if (explicit_arrives || reference.IsSolutionUsable()) {
         EXPECT_TRUE(reference.IsSolutionUsable()) << reference.status.message();
         EXPECT_LT(Distance(reference.values, best.values, best.covariance), 1e-5);
@@ -203,12 +206,14 @@ TEST(CeresBundle, BadStartsEndAtTheMinimumOrAreReported) {
 // One signal in 12 off by 100 standard deviations: Huber's loss keeps the gains, squares lose them.
 TEST(CeresBundle, HuberLossBearsOutliers) {
   BundleStudy study = NoisyStudy(Arm3());
-  const CeresBundleSummary clean = SolveCeresBundle(study.prepared.base, study.data, study.truth, Explicit(study));
-  for (size_t k = 5; k < study.data.samples.size(); k += 12) study.data.samples[k].signal += 100.0 * study.sigma;
-  const CeresBundleSummary squares = SolveCeresBundle(study.prepared.base, study.data, study.truth, Explicit(study));
+  const CeresBundleSummary clean = SolveCeresBundle(study.prepared.base(), study.data, study.truth, Explicit(study));
+  EditSamples(&study.data, [&](std::vector<BundleSample>* samples) {
+    for (size_t k = 5; k < samples->size(); k += 12) (*samples)[k].signal += 100.0 * study.sigma;
+  });
+  const CeresBundleSummary squares = SolveCeresBundle(study.prepared.base(), study.data, study.truth, Explicit(study));
   CeresBundleOptions options = Explicit(study);
   options.huber_threshold = 1.0;
-  const CeresBundleSummary huber = SolveCeresBundle(study.prepared.base, study.data, study.truth, options);
+  const CeresBundleSummary huber = SolveCeresBundle(study.prepared.base(), study.data, study.truth, options);
   ASSERT_TRUE(clean.IsSolutionUsable() && squares.IsSolutionUsable() && huber.IsSolutionUsable());
   const double off = Distance(squares.values, clean.values, clean.covariance);
   EXPECT_GT(off, 20.0);
@@ -219,8 +224,8 @@ TEST(CeresBundle, AGainOfZeroIsRefusedByBoth) {
   const BundleStudy study = NoisyStudy(Arm3());
   VectorXd start = study.truth;
   start[1] = 0.0;
-  EXPECT_FALSE(SolveBundle(study.prepared.base, study.data, start, ClosedForm(study)).IsSolutionUsable());
-  EXPECT_FALSE(SolveCeresBundle(study.prepared.base, study.data, start, Explicit(study)).IsSolutionUsable());
+  EXPECT_FALSE(SolveBundle(study.prepared.base(), study.data, start, ClosedForm(study)).IsSolutionUsable());
+  EXPECT_FALSE(SolveCeresBundle(study.prepared.base(), study.data, start, Explicit(study)).IsSolutionUsable());
 }
 
 TEST(CeresBundle, OptionsThatMeanNothingAreInvalid) {

@@ -38,8 +38,8 @@ const Fitted& Arm(bool effect) {
     study.Simulate();
     Result<EffectFit> fit = FitDeclared(study.Prepare());
     if (!fit.ok()) throw std::runtime_error(fit.status().message());
-    ResidualModel model(fit->prepared, fit->data, fit->summary);
-    BundleProblem problem(fit->prepared.base, fit->data, fit->data.priors, HuberNorm{});
+    ResidualModel model(fit->prepared.base(), fit->data, fit->summary);
+    BundleProblem problem(fit->prepared.base(), fit->data, fit->data.priors, HuberNorm{});
     problem.HoldFriction(fit->summary.values);
     const BundleProblem::Rows rows = problem.Linearize(fit->summary.values, fit->summary.signal_sigma);
     MatrixXd j = rows.rows.leftCols(fit->data.num_unknowns());

@@ -9,9 +9,10 @@
 #include <sstream>
 
 #include "core/base/decompositions.h"
-#include "core/model/payload_unknowns.h"
+#include "core/model/unknowns.h"
 #include "solvers/estimators/closed_forms.h"
 #include "solvers/estimators/estimators.h"
+#include "tests/support/edit_data.h"
 #include "tests/support/simulated_study.h"
 
 namespace idim {
@@ -36,19 +37,19 @@ struct Dense {
 };
 
 Dense DenseRows(const PreparedStudy& prepared, int joint) {
-  StandardModel model = prepared.base.model();
+  StandardModel model = prepared.base().model();
   const int n = model.dof();
   Dense all;
-  for (const PreparedRecording& r : prepared.recordings) {
+  for (const MeasuredRecording& r : prepared.data->recordings) {
     if (r.entry.use != Use::kIdentification) continue;
-    const Eigen::Index samples = r.recording.samples();
+    const Eigen::Index samples = r.recording->samples();
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> w(n, model.columns()), load(n, 10);
-    MatrixXd base(samples, prepared.base.size()), payload = MatrixXd::Zero(samples, 10);
+    MatrixXd base(samples, prepared.base().size()), payload = MatrixXd::Zero(samples, 10);
     VectorXd q, dq, ddq;
     for (Eigen::Index i = 0; i < samples; ++i) {
-      q = r.states.q.row(i), dq = r.states.dq.row(i), ddq = r.states.ddq.row(i);
-      model.Regressor(q.data(), dq.data(), ddq.data(), prepared.velocity_sigma.data(), w.data());
-      for (int k = 0; k < prepared.base.size(); ++k) base(i, k) = w(joint, prepared.base.kept()[k]);
+      q = r.states->q.row(i), dq = r.states->dq.row(i), ddq = r.states->ddq.row(i);
+      model.Regressor(q.data(), dq.data(), ddq.data(), prepared.data->velocity_sigma.data(), w.data());
+      for (int k = 0; k < prepared.base().size(); ++k) base(i, k) = w(joint, prepared.base().kept()[k]);
       if (r.entry.payload < 0) continue;
       model.PayloadColumns(load.data());
       payload.row(i) = load.row(joint);
@@ -59,9 +60,9 @@ Dense DenseRows(const PreparedStudy& prepared, int joint) {
       longer.bottomRows(rows.rows()) = rows;
       *to = longer;
     };
-    append(r.decimator.Apply(base), &all.base);
-    append(r.decimator.Apply(payload), &all.payload);
-    append(r.decimator.Apply(r.recording.signal), &all.signal);
+    append(r.decimator->Apply(base), &all.base);
+    append(r.decimator->Apply(payload), &all.payload);
+    append(r.decimator->Apply(r.recording->signal), &all.signal);
   }
   return all;
 }
@@ -114,9 +115,9 @@ TEST_F(IdentificationTest, APrioriNoiseOfMotorsWeighsTheRowsOfJoints) {
   const double s[] = {0.3, 0.01, 0.2};  // not the true ones, so that other weights would show
   simulated_.study_text += "noise: {signal: [0.3, 0.01, 0.2]}\n";
   const PreparedStudy prepared = simulated_.Prepare();
-  ASSERT_EQ(prepared.study.signal_side, Side::kMotor);
-  const MatrixXd t = prepared.study.robot.transmission;
-  const VectorXd g = prepared.study.gains;
+  ASSERT_EQ(prepared.data->request.signal_side, Side::kMotor);
+  const MatrixXd t = prepared.robot().transmission;
+  const VectorXd g = prepared.model.gains;
   const int m = static_cast<int>(kM);
   for (const bool weighted : {true, false}) {
     MatrixXd w;
@@ -149,7 +150,7 @@ TEST_F(IdentificationTest, GainsOfMotorsAreThoseOfTheDenseSystem) {
   simulated_.Simulate();
   IdentifyGainsInStudy();
   const PreparedStudy prepared = simulated_.Prepare();
-  const MatrixXd t = prepared.study.robot.transmission;
+  const MatrixXd t = prepared.robot().transmission;
   MatrixXd w;
   VectorXd y;
   for (int j = 0; j < 3; ++j) {
@@ -175,10 +176,10 @@ TEST_F(IdentificationTest, MotorSideEqualsJointSideMappedByHand) {
   IdentifyGainsInStudy();
   const PreparedStudy motor = simulated_.Prepare();
   PreparedStudy joint = motor;
-  joint.study.signal_side = Side::kJoint;
-  for (PreparedRecording& r : joint.recordings) {
-    r.recording.signal.col(0) *= 2.0, r.recording.signal.col(1) *= -3.0, r.recording.signal.col(2) *= 4.0;
-  }
+  testing::EditRecordings(&joint, [](Recording* r, JointStates*) {
+    r->signal.col(0) *= 2.0, r->signal.col(1) *= -3.0, r->signal.col(2) *= 4.0;
+  });
+  testing::EditData(&joint, [](Data* data) { data->drive = DriveMap(data->robot(), Side::kJoint); });
   for (const std::string& name : EstimatorNames(GainsMode::kIdentify)) {
     if (name == "tls" || name == "wtls") continue;  // one noise for all columns: not invariant to the unit of a signal
     const Estimate a = Run(motor, name).estimate, b = Run(joint, name).estimate;
@@ -200,7 +201,7 @@ TEST_F(IdentificationTest, EveryEstimatorFindsTheTruth) {
   simulated_.Simulate();
   IdentifyGainsInStudy();
   const PreparedStudy prepared = simulated_.Prepare();
-  const VectorXd chi = prepared.base.projection() * simulated_.scenario.chi;
+  const VectorXd chi = prepared.base().projection() * simulated_.scenario.chi;
   for (const std::string& name : EstimatorNames(GainsMode::kIdentify)) {
     const Identification found = Run(prepared, name);
     EXPECT_EQ(found.estimate.estimator, name);
@@ -274,7 +275,7 @@ TEST_F(IdentificationTest, EliminatedParametersAreNotAmongTheEstimates) {
     const Estimate e = Run(prepared, "wls", 20.0).estimate;
     ASSERT_FALSE(e.eliminated.empty());
     EXPECT_EQ(e.parameters.size() + e.eliminated.size(),
-              static_cast<size_t>(prepared.base.size() + 9 + (identify ? 3 : 0)));
+              static_cast<size_t>(prepared.base().size() + 9 + (identify ? 3 : 0)));
     EXPECT_EQ(e.covariance.rows(), static_cast<Eigen::Index>(e.parameters.size()));
     for (const std::string& name : e.eliminated) EXPECT_EQ(Find(e, name), nullptr) << name;
     for (size_t k = 0; k < e.parameters.size(); ++k) {
@@ -282,10 +283,10 @@ TEST_F(IdentificationTest, EliminatedParametersAreNotAmongTheEstimates) {
       EXPECT_DOUBLE_EQ(std::sqrt(e.covariance(i, i)), e.parameters[k].standard_deviation);
     }
     // The relation belongs to its own parameter.
-    for (int k = 0; k < prepared.base.size(); ++k) {
-      const ParameterEstimate* p = Find(e, prepared.base.parameters()[k].name);
+    for (int k = 0; k < prepared.base().size(); ++k) {
+      const ParameterEstimate* p = Find(e, prepared.base().parameters()[k].name);
       if (p != nullptr) {
-        EXPECT_EQ(p->regrouping, prepared.base.regroupings()[k]);
+        EXPECT_EQ(p->regrouping, prepared.base().regroupings()[k]);
       }
     }
   }
@@ -322,7 +323,7 @@ TEST_F(IdentificationTest, EstimatorsByName) {
   EXPECT_EQ(ls->estimate.parameters[0].value, direct->estimate.parameters[0].value);
   EXPECT_NE(ls->estimate.parameters[0].value, wls->estimate.parameters[0].value);
 
-  prepared.study.gains_mode = GainsMode::kIdentify;
+  prepared.model.gains_mode = GainsMode::kIdentify;
   const Result<EstimatorRunner> identify = EstimatorRunner::Create(&prepared);
   ASSERT_TRUE(identify.ok());
   EXPECT_THAT(identify->Run("eiv2", 0.0).status().message(), HasSubstr("ls, wls, tls, wtls, gtls, wgtls"));

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "solvers/estimators/eiv_identification.h"
 #include "solvers/linear/gain_identification.h"
 #include "tests/support/shared_recordings.h"
@@ -77,17 +77,18 @@ TEST(Ur10eEiv, SamplesAtRestAndAtReversalDoNoHarm) {
   GainOptions closed;
   closed.estimator = GainEstimator::kWgtls;
   const VectorXd start = SolveGains(*system, closed).values;
-  const BundleSummary all = SolveBundle(prepared.base, *data, start);
+  const BundleSummary all = SolveBundle(prepared.base(), *data, start);
   ASSERT_TRUE(all.IsSolutionUsable()) << all.status.message();
   Print("all samples", all.values, all.robust_covariance);
   const auto without = [&](const char* what, const std::function<bool(const VectorXd& speed)>& drop) {
     BundleData rest = *data;
-    rest.samples.clear();
-    for (const BundleSample& sample : data->samples) {
-      if (!drop(sample.state.segment(6, 6).cwiseAbs())) rest.samples.push_back(sample);
+    std::vector<BundleSample> kept;
+    for (const BundleSample& sample : data->samples()) {
+      if (!drop(sample.state.segment(6, 6).cwiseAbs())) kept.push_back(sample);
     }
-    EXPECT_LT(rest.samples.size(), 0.95 * data->samples.size()) << "there are such samples";
-    const BundleSummary summary = SolveBundle(prepared.base, rest, start);
+    rest.SetSamples(kept);
+    EXPECT_LT(kept.size(), 0.95 * data->samples().size()) << "there are such samples";
+    const BundleSummary summary = SolveBundle(prepared.base(), rest, start);
     ASSERT_TRUE(summary.IsSolutionUsable()) << summary.status.message();
     Print(what, summary.values, summary.robust_covariance);
     for (int j = 0; j < 6; ++j) {

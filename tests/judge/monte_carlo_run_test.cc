@@ -10,6 +10,7 @@
 
 #include "solvers/estimators/estimators.h"
 #include "solvers/judge/monte_carlo.h"
+#include "tests/support/edit_data.h"
 #include "tests/support/simulated_study.h"
 
 namespace idim {
@@ -108,7 +109,7 @@ TEST_F(MonteCarloRun, PositionsAreNoisyToo) {
   MonteCarloOptions options;
   options.runs = 10;
   const Result<MonteCarlo> fine = RunMonteCarlo(prepared, reference, {"wls"}, options, nullptr);
-  prepared.position_noise *= 1000.0;
+  testing::EditData(&prepared, [](Data* data) { data->position_noise *= 1000.0; });
   const Result<MonteCarlo> coarse = RunMonteCarlo(prepared, reference, {"wls"}, options, nullptr);
   ASSERT_TRUE(fine.ok() && coarse.ok());
   EXPECT_EQ(coarse->position_noise, 1000.0 * fine->position_noise);
@@ -182,7 +183,7 @@ TEST_F(MonteCarloRun, RefusedRunsAreFailures) {
   PreparedStudy prepared = Prepare(false);
   const Estimate reference = EstimateOf(prepared, "wls");
   // So noisy that the joints seem to stand still.
-  prepared.position_noise.setConstant(10.0);
+  testing::EditData(&prepared, [](Data* data) { data->position_noise.setConstant(10.0); });
   MonteCarloOptions options;
   options.runs = 2;
   const Result<MonteCarlo> result = RunMonteCarlo(prepared, reference, {"ls", "wls"}, options, nullptr);

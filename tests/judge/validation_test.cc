@@ -9,6 +9,7 @@
 
 #include "apps/pages/validation_report.h"
 #include "core/base/decompositions.h"
+#include "tests/support/edit_data.h"
 #include "tests/support/simulated_study.h"
 
 namespace idim {
@@ -27,9 +28,9 @@ class ValidationTest : public ::testing::Test {
   Reference Truth(const PreparedStudy& prepared, bool with_gains = true) const {
     Reference truth;
     truth.name = "truth";
-    const VectorXd chi = prepared.base.projection() * simulated_.scenario.chi;
-    for (int k = 0; k < prepared.base.size(); ++k) {
-      truth.parameters.push_back({prepared.base.parameters()[k].name, chi[k], 0.0});
+    const VectorXd chi = prepared.base().projection() * simulated_.scenario.chi;
+    for (int k = 0; k < prepared.base().size(); ++k) {
+      truth.parameters.push_back({prepared.base().parameters()[k].name, chi[k], 0.0});
     }
     for (int k = 0; k < kNumInertial; ++k) {
       truth.parameters.push_back(
@@ -59,7 +60,7 @@ class ValidationTest : public ::testing::Test {
 TEST_F(ValidationTest, ParametersAreFoundByName) {
   const PreparedStudy prepared = simulated_.Prepare();
   Reference truth = Truth(prepared);
-  const VectorXd chi = prepared.base.projection() * simulated_.scenario.chi;
+  const VectorXd chi = prepared.base().projection() * simulated_.scenario.chi;
   Result<ArmParameters> arm = ParametersOf(prepared, truth);
   ASSERT_TRUE(arm.ok()) << arm.status().message();
   EXPECT_EQ(arm->gains, simulated_.scenario.gains);
@@ -72,8 +73,8 @@ TEST_F(ValidationTest, ParametersAreFoundByName) {
   for (auto& entry : truth.parameters) entry.value *= entry.name == "M4" ? 2.0 : 1.0;
   arm = ParametersOf(prepared, truth);
   ASSERT_TRUE(arm.ok());
-  for (int k = 0; k < prepared.base.size(); ++k) {
-    EXPECT_EQ(arm->chi[k], prepared.base.parameters()[k].name == "Fv2" ? 0.0 : chi[k]);
+  for (int k = 0; k < prepared.base().size(); ++k) {
+    EXPECT_EQ(arm->chi[k], prepared.base().parameters()[k].name == "Fv2" ? 0.0 : chi[k]);
   }
   EXPECT_EQ(arm->payloads[0][kMX], 0.0);
   EXPECT_EQ(arm->payloads[0][kM], 3.0);
@@ -82,7 +83,7 @@ TEST_F(ValidationTest, ParametersAreFoundByName) {
   // Without gains: the study's.
   arm = ParametersOf(prepared, Truth(prepared, false));
   ASSERT_TRUE(arm.ok());
-  EXPECT_EQ(arm->gains, prepared.study.gains);
+  EXPECT_EQ(arm->gains, prepared.model.gains);
 }
 
 TEST_F(ValidationTest, WhatDoesNotFitTheStudyIsRefusedByName) {
@@ -105,14 +106,14 @@ TEST_F(ValidationTest, WhatDoesNotFitTheStudyIsRefusedByName) {
   EXPECT_THAT(ParametersOf(prepared, gains_only).status().message(), HasSubstr("none of the base parameters"));
 
   PreparedStudy identify = simulated_.Prepare();
-  identify.study.gains_mode = GainsMode::kIdentify;
+  identify.model.gains_mode = GainsMode::kIdentify;
   const Status neither = ParametersOf(identify, Truth(prepared, false)).status();
   EXPECT_EQ(neither.code(), StatusCode::kBadInput);
   EXPECT_THAT(neither.message(), AllOf(HasSubstr("no drive gains"), HasSubstr("gains.mode")));
   EXPECT_TRUE(ParametersOf(identify, Truth(prepared)).ok());
 
   PreparedStudy none = simulated_.Prepare();
-  none.recordings.pop_back();
+  testing::KeepRecordings({0, 1}, &none);
   EXPECT_THAT(Validate(none, Truth(prepared)).status().message(), HasSubstr("no recording has use 'validation'"));
 }
 
@@ -120,13 +121,13 @@ TEST_F(ValidationTest, WhatDoesNotFitTheStudyIsRefusedByName) {
 TEST_F(ValidationTest, PayloadParametersBelongToTheirPayload) {
   testing::ReplaceOnce("payloads:\n", "payloads:\n  small: {M: 1}\n", &simulated_.study_text);
   PreparedStudy prepared = simulated_.Prepare();
-  ASSERT_EQ(prepared.study.payloads.size(), 2u);
+  ASSERT_EQ(prepared.model.payloads.size(), 2u);
   const Reference plain = Truth(prepared);
   Reference named = plain;
   for (auto& entry : named.parameters) {
     if (entry.name != "M4" && entry.name.back() == '4') entry.name += "_big";
   }
-  const int big = prepared.study.payloads[0].name == "big" ? 0 : 1;
+  const int big = prepared.model.payloads[0].name == "big" ? 0 : 1;
   const InertialVector truth = simulated_.scenario.payloads[0].inertial;
   for (const Reference& reference : {plain, named}) {
     const Result<ArmParameters> arm = ParametersOf(prepared, reference);
@@ -134,8 +135,8 @@ TEST_F(ValidationTest, PayloadParametersBelongToTheirPayload) {
     EXPECT_EQ(arm->payloads[big], truth);
     EXPECT_EQ(arm->payloads[1 - big], InertialVector(InertialVector::Zero())) << "nothing is known of the other";
   }
-  prepared.study.recordings.push_back(prepared.study.recordings[1]);
-  prepared.study.recordings.back().payload = 1 - big;
+  prepared.model.roles.push_back({Use::kIdentification, 1 - big});
+  prepared.model.columns = std::make_shared<const EffectColumns>(EffectColumns{{}, {{}, {}, {}, {}}});
   EXPECT_EQ((*ParametersOf(prepared, plain)).payloads[big], InertialVector(InertialVector::Zero()));
   EXPECT_EQ((*ParametersOf(prepared, named)).payloads[big], truth);
 }
@@ -161,25 +162,25 @@ TEST_F(ValidationTest, TheTruthLeavesNoiseAndWeighsThePayload) {
   EXPECT_NEAR(*r.mass->ErrorPercent(), 100.0 * std::abs(3.0 - r.mass->value) / 3.0, 1e-12);
 
   // Condition number: the whole matrix, by SVD.
-  const PreparedRecording& recording = prepared.recordings[2];
-  StandardModel model = prepared.base.model();
-  MatrixXd w(3 * recording.decimator.outputs(), prepared.base.size());
+  const MeasuredRecording& recording = prepared.data->recordings[2];
+  StandardModel model = prepared.base().model();
+  MatrixXd w(3 * recording.decimator->outputs(), prepared.base().size());
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows(3, model.columns());
-  MatrixXd columns(recording.recording.samples(), 3 * prepared.base.size());
+  MatrixXd columns(recording.recording->samples(), 3 * prepared.base().size());
   VectorXd q, dq, ddq;
   for (Eigen::Index i = 0; i < columns.rows(); ++i) {
-    q = recording.states.q.row(i), dq = recording.states.dq.row(i), ddq = recording.states.ddq.row(i);
-    model.Regressor(q.data(), dq.data(), ddq.data(), prepared.velocity_sigma.data(), rows.data());
+    q = recording.states->q.row(i), dq = recording.states->dq.row(i), ddq = recording.states->ddq.row(i);
+    model.Regressor(q.data(), dq.data(), ddq.data(), prepared.data->velocity_sigma.data(), rows.data());
     for (int j = 0; j < 3; ++j) {
-      for (int k = 0; k < prepared.base.size(); ++k) {
-        columns(i, j * prepared.base.size() + k) = rows(j, prepared.base.kept()[k]);
+      for (int k = 0; k < prepared.base().size(); ++k) {
+        columns(i, j * prepared.base().size() + k) = rows(j, prepared.base().kept()[k]);
       }
     }
   }
-  const MatrixXd decimated = recording.decimator.Apply(columns);
+  const MatrixXd decimated = recording.decimator->Apply(columns);
   for (int j = 0; j < 3; ++j) {
     w.middleRows(j * decimated.rows(), decimated.rows()) =
-        decimated.middleCols(j * prepared.base.size(), prepared.base.size());
+        decimated.middleCols(j * prepared.base().size(), prepared.base().size());
   }
   const VectorXd s = Eigen::JacobiSVD<MatrixXd>(w).singularValues();
   EXPECT_NEAR(r.condition_number, s[0] / s[s.size() - 1], 1e-6 * r.condition_number);
@@ -224,11 +225,11 @@ TEST_F(ValidationTest, WhatIsNotKnownIsAbsent) {
 
   // No unloaded recording: arm and payload cannot be told apart.
   PreparedStudy loaded = prepared;
-  loaded.recordings.erase(loaded.recordings.begin());
+  testing::KeepRecordings({1, 2}, &loaded);
   EXPECT_FALSE(Judge(loaded, Truth(prepared)).recordings[0].mass);
   // No payload: nothing to weigh, and a fit that needs none.
   PreparedStudy bare = prepared;
-  bare.recordings[2].entry.payload = -1;
+  bare.model.roles[2].payload = -1;
   EXPECT_FALSE(Judge(bare, arm_only).recordings[0].mass);
   EXPECT_TRUE(Judge(bare, arm_only).recordings[0].fit);
 }

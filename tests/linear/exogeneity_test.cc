@@ -158,7 +158,7 @@ TEST(LaggedInstruments, DecimatedNoiseForgetsItself) {
   testing::GainScenario scenario = testing::Tx40Gains();
   scenario.samples = 1000;
   const testing::GainStudy study = MakeGainStudy(scenario);
-  const std::vector<double>& taps = study.prepared.recordings[0].decimator.Taps();
+  const std::vector<double>& taps = study.prepared.data->recordings[0].decimator->Taps();
   const Eigen::Map<const VectorXd> g(taps.data(), Eigen::Index(taps.size()));
   for (int lag = 2; lag < 20; ++lag) {
     const Eigen::Index shared = g.size() - lag * scenario.decimation;

@@ -6,11 +6,14 @@
 #include <Eigen/Dense>
 
 #include "core/base/decompositions.h"
+#include "tests/support/edit_data.h"
 #include "tests/support/gain_study.h"
 
 namespace idim {
 namespace {
 
+using testing::EditRecordings;
+using testing::KeepRecordings;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using testing::GainScenario;
@@ -225,13 +228,13 @@ TEST(GainIdentification, EssentialParametersNeverTakeAGain) {
 
 TEST(GainIdentification, RefusesAStudyWithoutScale) {
   GainStudy study = MakeGainStudy(Tx40Gains());
-  study.prepared.study.payloads[0].known.fill(std::nullopt);
+  study.prepared.model.payloads[0].known.fill(std::nullopt);
   Result<GainSystem> system = BuildGainSystem(study.prepared);
   ASSERT_FALSE(system.ok());
   EXPECT_EQ(system.status().code(), StatusCode::kBadInput);
   EXPECT_THAT(system.status().message(), HasSubstr("weighed mass"));
   study = MakeGainStudy(Tx40Gains());
-  study.prepared.study.gains_mode = GainsMode::kKnown;
+  study.prepared.model.gains_mode = GainsMode::kKnown;
   system = BuildGainSystem(study.prepared);
   ASSERT_FALSE(system.ok());
   EXPECT_THAT(system.status().message(), HasSubstr("expected 'identify'"));
@@ -242,7 +245,7 @@ TEST(GainIdentification, NamesAMissingUnloadedRecording) {
   GainScenario scenario = Tx40Gains();
   scenario.known = {kXX, kXY, kXZ, kYY, kYZ, kZZ, kMX, kMY, kMZ, kM};
   GainStudy study = MakeGainStudy(scenario);
-  study.prepared.recordings.erase(study.prepared.recordings.begin());
+  KeepRecordings({1}, &study.prepared);
   const GainSystem system = Build(study);
   for (const GainEstimator estimator : kAll) {
     const GainSummary summary = Solve(system, estimator);
@@ -312,10 +315,10 @@ TEST(GainIdentification, GtlsTakesTheNoiseOfEachColumnAndJoint) {
 
 TEST(GainIdentification, NamesWhatIsNotIdentifiable) {
   GainStudy study = MakeGainStudy(Tx40Gains());
-  for (PreparedRecording& recording : study.prepared.recordings) {
-    recording.states.dq.col(3).setZero();
-    recording.states.ddq.col(3).setZero();
-  }
+  EditRecordings(&study.prepared, [](Recording*, JointStates* states) {
+    states->dq.col(3).setZero();
+    states->ddq.col(3).setZero();
+  });
   const GainSummary summary = Solve(Build(study), GainEstimator::kTls);
   EXPECT_EQ(summary.status.code(), StatusCode::kUntrusted);
   EXPECT_THAT(summary.status.message(), HasSubstr("Fv4"));

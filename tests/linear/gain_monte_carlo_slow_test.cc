@@ -47,10 +47,10 @@ Truth MakeTruth(const GainScenario& scenario) {
   const Result<GainRows> rows = GainRows::Create(study.prepared);
   EXPECT_TRUE(rows.ok()) << rows.status().message();
   std::vector<MatrixXd> samples;
-  for (const PreparedRecording& recording : study.prepared.recordings) {
+  for (const int recording : {0, 1}) {
     rows->Stream(recording, [&](const GainRows::RowMajorMatrix& all) { samples.push_back(all); });
   }
-  Truth truth{rows->unknowns(), study.truth, {}};
+  Truth truth{rows->unknowns().parameters(), study.truth, {}};
   for (int j = 0; j < scenario.robot.dof(); ++j) {
     MatrixXd w(samples.size(), study.truth.size() + 1);
     for (size_t i = 0; i < samples.size(); ++i) w.row(Eigen::Index(i)) = samples[i].row(j);

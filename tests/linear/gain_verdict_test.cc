@@ -75,7 +75,7 @@ TEST(GainVerdict, NumbersAreThoseOfTheDefinitions) {
   const Eigen::Index each = system.joints[0].rows();
   MatrixXd w(6 * each, c);  // joint by joint
   Eigen::Index sample = 0;
-  for (const PreparedRecording& recording : study.prepared.recordings) {
+  for (const int recording : {0, 1}) {
     rows->Stream(recording, [&](const GainRows::RowMajorMatrix& all) {
       for (int j = 0; j < 6; ++j) w.row(j * each + sample) = all.row(j);
       ++sample;
@@ -97,13 +97,13 @@ TEST(GainVerdict, NumbersAreThoseOfTheDefinitions) {
     EXPECT_NEAR(v.reliability, 1.0 - v.noise * v.noise / (v.independent * v.independent), 1e-10);
     // All gains' signals scatter by 20 % of their rms a recorded sample; the decimator leaves sum of squares of its
     // taps.
-    const std::vector<double>& taps = study.prepared.recordings[0].decimator.Taps();
+    const std::vector<double>& taps = study.prepared.data->recordings[0].decimator->Taps();
     double squares = 0.0;
     for (const double tap : taps) squares += tap * tap;
     const MatrixXd noise = SignalNoise(system, 1e-10);
     const double rms = std::sqrt(0.5 *
-                                 (study.prepared.recordings[0].recording.signal.col(j).squaredNorm() +
-                                  study.prepared.recordings[1].recording.signal.col(j).squaredNorm()) /
+                                 (study.prepared.data->recordings[0].recording->signal.col(j).squaredNorm() +
+                                  study.prepared.data->recordings[1].recording->signal.col(j).squaredNorm()) /
                                  4000.0 / 1.04);
     // 800 rows less 40 parameters: 2.6 %; the two recordings differ in rms.
     EXPECT_NEAR(noise(j, j), 0.2 * rms * std::sqrt(squares), 0.13 * noise(j, j));
@@ -122,10 +122,10 @@ TEST(SignalNoise, MotorSideNoiseGoesThroughTheTransmission) {
   const MatrixXd noise = SignalNoise(Build(study), 1e-10);
   EXPECT_NEAR(noise(4, 5), 0.5 * noise(5, 5), 1e-9 * noise(5, 5));
   EXPECT_EQ(noise(5, 4), 0.0);
-  const std::vector<double>& taps = study.prepared.recordings[0].decimator.Taps();
+  const std::vector<double>& taps = study.prepared.data->recordings[0].decimator->Taps();
   double squares = 0.0;
   for (const double tap : taps) squares += tap * tap;
-  const MatrixXd& signal = study.prepared.recordings[0].recording.signal;
+  const MatrixXd& signal = study.prepared.data->recordings[0].recording->signal;
   // As above, for both recordings' sake.
   const double rms = signal.col(5).norm() / std::sqrt(4000.0 * 1.04);
   EXPECT_NEAR(noise(5, 5), 32.0 * 0.2 * rms * std::sqrt(squares), 0.3 * noise(5, 5));

@@ -6,11 +6,13 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "tests/support/edit_data.h"
 #include "tests/support/gain_study.h"
 
 namespace idim {
 namespace {
 
+using testing::KeepRecordings;
 using ::testing::ElementsAre;
 using testing::GainScenario;
 using testing::GainStudy;
@@ -52,7 +54,7 @@ TEST(SequentialGains, OneJointIsItsOwnLeastSquares) {
   const SequentialGains sequential = SolveSequentialGains(*system);
   Eigen::MatrixXd w(system->joints[1].rows(), study.truth.size() + 1);
   Eigen::Index sample = 0;
-  for (const PreparedRecording& recording : study.prepared.recordings) {
+  for (const int recording : {0, 1}) {
     rows->Stream(recording, [&](const GainRows::RowMajorMatrix& all) { w.row(sample++) = all.row(1); });
   }
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> cod;
@@ -71,7 +73,7 @@ TEST(SequentialGains, SaysWhichGainItCannotFind) {
   scenario.known = {kMZ};  // no torque on joint 6 from any of MZ, and nothing else is known
   GainStudy study = MakeGainStudy(scenario);
   // Nothing to take over either, where the unloaded recording alone is kept.
-  study.prepared.recordings.pop_back();
+  KeepRecordings({0}, &study.prepared);
   const Result<GainSystem> system = BuildGainSystem(study.prepared);
   ASSERT_TRUE(system.ok());
   const SequentialGains sequential = SolveSequentialGains(*system);

@@ -6,7 +6,7 @@
 #include <Eigen/Dense>
 #include <cstdio>
 
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "solvers/linear/exogeneity.h"
 #include "solvers/linear/gain_identification.h"
 #include "solvers/linear/sequential_gains.h"

@@ -33,7 +33,7 @@ LoopResult Close(const PreparedStudy& prepared, int threads = 1) {
 
 std::set<std::string> Titles(const LoopResult& result) {
   std::set<std::string> titles;
-  for (const ActiveEffect& effect : result.prepared.effects) titles.insert(EffectTitle(effect));
+  for (const ActiveEffect& effect : result.prepared.model.effects) titles.insert(EffectTitle(effect));
   return titles;
 }
 

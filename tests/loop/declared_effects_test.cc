@@ -156,7 +156,7 @@ TEST(DeclaredEffects, EivIsRefitByHand) {
 TEST(DeclaredEffects, TheShapeIsFoundOnTheResidual) {
   const Result<EffectFit> without = FitDeclared(PreparedWith(""));
   ASSERT_TRUE(without.ok()) << without.status().message();
-  const ResidualModel residual(without->prepared, without->data, without->summary);
+  const ResidualModel residual(without->prepared.base(), without->data, without->summary);
   const ActiveEffect found =
       FindShape(without->prepared, residual, without->Arm(), {FindEffect("stribeck"), {1}, Eigen::VectorXd()});
   ASSERT_EQ(found.shape.size(), 1);
@@ -171,18 +171,18 @@ TEST(DeclaredEffects, TheStatedModelIsTheFittedOne) {
   ASSERT_TRUE(fit.ok()) << fit.status().message();
   ArmParameters arm = fit->Arm();
   const auto model = [](const PreparedStudy& prepared, const ArmParameters& a, size_t r) {
-    return Predict(prepared, prepared.recordings[r], a).decimated_model;
+    return Predict(prepared, static_cast<int>(r), a).decimated_model;
   };
   const StatedModel stated = AsStated(fit->prepared, arm);
   EXPECT_EQ(stated.arm.chi.size(), arm.chi.size() - 1) << "no step of a shape";
   int shape = -1;
-  for (size_t k = 0; k < fit->prepared.effect_parameters.size(); ++k) {
-    if (fit->prepared.effect_parameters[k].kind != ParameterKind::kEffectShape) continue;
-    shape = fit->prepared.base.size() + static_cast<int>(k);
+  for (size_t k = 0; k < fit->prepared.model.columns->parameters.size(); ++k) {
+    if (fit->prepared.model.columns->parameters[k].kind != ParameterKind::kEffectShape) continue;
+    shape = fit->prepared.base().size() + static_cast<int>(k);
   }
   ASSERT_GE(shape, 0);
   for (size_t r = 0; r < 3; ++r) {
-    const RecordingSeries series = Predict(fit->prepared, fit->prepared.recordings[r], arm);
+    const RecordingSeries series = Predict(fit->prepared, static_cast<int>(r), arm);
     const double noise = (series.decimated_torque - series.decimated_model).norm();
     EXPECT_LT((model(stated.prepared, stated.arm, r) - series.decimated_model).norm(), 0.01 * noise) << r;
     ArmParameters moved = arm;
@@ -199,7 +199,7 @@ TEST(DeclaredEffects, NoneDeclaredNothingChanged) {
   const PreparedStudy plain = PreparedWith("");
   const Result<PreparedStudy> prepared = DeclareEffects(plain);
   ASSERT_TRUE(prepared.ok());
-  EXPECT_EQ(prepared->num_columns(), plain.base.size());
+  EXPECT_TRUE(prepared->model.columns->parameters.empty());
   EXPECT_TRUE(EstimateOf(plain, "wls").effects.empty());
 }
 

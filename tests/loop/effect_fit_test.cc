@@ -26,7 +26,7 @@ TEST(EffectFit, MovesAShapeToTheTruthAndTakesTheEffectOutAgain) {
   const Result<EffectFit> with =
       Refit(declared, {{FindEffect("torque_ripple"), {2}, Eigen::VectorXd::Constant(1, 11.2)}});
   ASSERT_TRUE(with.ok()) << with.status().message();
-  ASSERT_EQ(with->prepared.effects.size(), 1u);
+  ASSERT_EQ(with->prepared.model.effects.size(), 1u);
   const int at = with->data.num_unknowns();
   int seen = 0;
   for (const ParameterEstimate& p : IdentificationOf(*with).estimate.parameters) {
@@ -53,8 +53,8 @@ TEST(EffectFit, HoldsAShapeThatNoSampleTells) {
   const Result<EffectFit> with =
       Refit(declared, {{FindEffect("payload_change"), {}, Eigen::VectorXd::Constant(1, 0.5001)}});
   ASSERT_TRUE(with.ok()) << with.status().message();
-  ASSERT_EQ(with->prepared.effects.size(), 1u);
-  EXPECT_TRUE(with->prepared.effects[0].held);
+  ASSERT_EQ(with->prepared.model.effects.size(), 1u);
+  EXPECT_TRUE(with->prepared.model.effects[0].held);
   bool seen = false;
   for (const ParameterEstimate& p : IdentificationOf(*with).estimate.parameters) {
     if (p.parameter.name != "dM") continue;
@@ -70,7 +70,7 @@ TEST(EffectFit, HoldsAnExponentThatRunsIntoViscousFriction) {
   const Result<EffectFit> with =
       Refit(declared, {{FindEffect("power_viscous"), {1}, Eigen::VectorXd::Constant(1, 0.7)}});
   ASSERT_TRUE(with.ok()) << with.status().message();
-  const ActiveEffect& effect = with->prepared.effects.at(0);
+  const ActiveEffect& effect = with->prepared.model.effects.at(0);
   EXPECT_LE(effect.shape[0], 0.8);
   EXPECT_TRUE(effect.held);
   EXPECT_LT(std::abs(IdentificationOf(*with).estimate.Find("Fp2")->value), 40.0);
@@ -96,14 +96,17 @@ TEST(EffectFit, HasTheDataOfItsStudy) {
   const Result<BundleData> anew = BuildBundleData(with->prepared);
   ASSERT_TRUE(anew.ok()) << anew.status().message();
   ASSERT_EQ(with->data.num_unknowns(), anew->num_unknowns());
-  ASSERT_EQ(with->data.samples.size(), anew->samples.size());
-  EXPECT_EQ(with->data.num_base, anew->num_base);
-  EXPECT_EQ(with->data.payload_columns, anew->payload_columns);
+  ASSERT_EQ(with->data.samples().size(), anew->samples().size());
   for (int k = 0; k < anew->num_unknowns(); ++k) EXPECT_EQ(with->data.unknowns[k].name, anew->unknowns[k].name);
-  for (size_t k = 0; k < anew->samples.size(); ++k) {
-    const auto& columns = anew->samples[k].columns;
-    EXPECT_LT((with->data.samples[k].columns - columns).cwiseAbs().maxCoeff(), 1e-12 * columns.cwiseAbs().maxCoeff());
+  for (int k = 0; k < kNumInertial; ++k) EXPECT_EQ(with->data.payload_column(0, k), anew->payload_column(0, k));
+  BundleData::RowMajorMatrix refitted, built;
+  for (size_t k = 0; k < anew->samples().size(); ++k) {
+    const auto& columns = anew->Columns(k, &built);
+    EXPECT_LT((with->data.Columns(k, &refitted) - columns).cwiseAbs().maxCoeff(),
+              1e-12 * columns.cwiseAbs().maxCoeff());
   }
+  // Those that no effect has a part in are the same, not copies.
+  EXPECT_EQ(&with->data.samples(), &declared.data.samples());
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ Scanned ScanArm(const std::string& effects, const ScanOptions& options = ScanOpt
   study.Simulate();
   Result<EffectFit> fit = FitDeclared(study.Prepare());
   if (!fit.ok()) throw std::runtime_error(fit.status().message());
-  ResidualModel residual(fit->prepared, fit->data, fit->summary);
+  ResidualModel residual(fit->prepared.base(), fit->data, fit->summary);
   EffectScan scan = ScanEffects(fit->prepared, residual, fit->Arm(), options);
   return {std::move(fit).value(), std::move(residual), std::move(scan)};
 }

@@ -10,6 +10,7 @@
 
 #include "solvers/loop/close_loop.h"
 #include "solvers/loop/effect_fit.h"
+#include "tests/support/edit_data.h"
 #include "tests/support/simulated_study.h"
 
 namespace idim::testing {
@@ -19,10 +20,10 @@ PreparedStudy Arm(double strength) {
   SimulatedStudy study;
   study.Simulate();
   PreparedStudy prepared = study.Prepare();
-  for (PreparedRecording& r : prepared.recordings) {
-    const Eigen::VectorXd torque = strength * r.states.q.col(1).cwiseProduct(r.states.dq.col(2));
-    r.recording.signal.col(2) += torque / prepared.study.gains[2];
-  }
+  EditRecordings(&prepared, [&](Recording* recording, JointStates* states) {
+    const Eigen::VectorXd torque = strength * states->q.col(1).cwiseProduct(states->dq.col(2));
+    recording->signal.col(2) += torque / prepared.model.gains[2];
+  });
   return prepared;
 }
 
@@ -42,7 +43,7 @@ TEST(Unexplained, NamesJointAndSignalsOfATorqueThatNoEffectHas) {
 TEST(Unexplained, IsSilentWhereTheModelIsTrue) {
   const Result<EffectFit> fit = FitDeclared(Arm(0.0));
   ASSERT_TRUE(fit.ok()) << fit.status().message();
-  const ResidualModel residual(fit->prepared, fit->data, fit->summary);
+  const ResidualModel residual(fit->prepared.base(), fit->data, fit->summary);
   EXPECT_TRUE(FindUnexplained(fit->prepared, residual, UnexplainedOptions()).empty());
 }
 

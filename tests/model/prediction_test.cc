@@ -21,7 +21,7 @@ class PredictionTest : public ::testing::Test {
 
   ArmParameters Truth(const PreparedStudy& prepared) const {
     return {simulated_.scenario.gains,
-            prepared.base.projection() * simulated_.scenario.chi,
+            prepared.base().projection() * simulated_.scenario.chi,
             {simulated_.scenario.payloads[0].inertial}};
   }
 
@@ -32,17 +32,18 @@ class PredictionTest : public ::testing::Test {
 // Base parameters against the standard ones they were regrouped from, through the same recursion.
 TEST_F(PredictionTest, BaseParametersGiveTheTorqueOfTheStandardOnes) {
   const PreparedStudy prepared = simulated_.Prepare();
-  ASSERT_LT(prepared.base.size(), prepared.base.model().columns());
-  for (const PreparedRecording& recording : prepared.recordings) {
-    const RecordingSeries series = Predict(prepared, recording, Truth(prepared));
-    StandardModel model = prepared.base.model();
+  ASSERT_LT(prepared.base().size(), prepared.base().model().columns());
+  for (int r = 0; r < 3; ++r) {
+    const MeasuredRecording& recording = prepared.data->recordings[static_cast<size_t>(r)];
+    const RecordingSeries series = Predict(prepared, r, Truth(prepared));
+    StandardModel model = prepared.base().model();
     const InertialVector payload =
         recording.entry.payload < 0 ? InertialVector(InertialVector::Zero()) : simulated_.scenario.payloads[0].inertial;
     VectorXd q, dq, ddq, tau(3);
     for (Eigen::Index i = 0; i < series.t.size(); i += 7) {
-      q = recording.states.q.row(i), dq = recording.states.dq.row(i), ddq = recording.states.ddq.row(i);
-      model.Torque(q.data(), dq.data(), ddq.data(), prepared.velocity_sigma.data(), simulated_.scenario.chi, payload,
-                   tau.data());
+      q = recording.states->q.row(i), dq = recording.states->dq.row(i), ddq = recording.states->ddq.row(i);
+      model.Torque(q.data(), dq.data(), ddq.data(), prepared.data->velocity_sigma.data(), simulated_.scenario.chi,
+                   payload, tau.data());
       ASSERT_LT((series.model.row(i).transpose() - tau).cwiseAbs().maxCoeff(), 1e-9 * tau.norm()) << i;
     }
   }
@@ -52,8 +53,8 @@ TEST_F(PredictionTest, BaseParametersGiveTheTorqueOfTheStandardOnes) {
 TEST_F(PredictionTest, TruthLeavesTheNoiseOfTheSignals) {
   const PreparedStudy prepared = simulated_.Prepare();
   std::vector<RecordingSeries> all;
-  for (size_t r = 0; r < prepared.recordings.size(); ++r) {
-    all.push_back(Predict(prepared, prepared.recordings[r], Truth(prepared)));
+  for (size_t r = 0; r < prepared.data->recordings.size(); ++r) {
+    all.push_back(Predict(prepared, static_cast<int>(r), Truth(prepared)));
     const RecordingSeries& series = all.back();
     const idim::Truth exact = SimulateTruth(simulated_.scenario, simulated_.scenario.recordings[r]);
     ASSERT_EQ(series.t.size(), exact.t.size());
@@ -67,12 +68,12 @@ TEST_F(PredictionTest, TruthLeavesTheNoiseOfTheSignals) {
                 1.2 * std::abs(truth_.gains[j]) * simulated_.scenario.noise.signal[j]);
     }
     const RecordingFit fit = FitOf(series);
-    EXPECT_EQ(fit.samples, prepared.recordings[r].decimator.outputs());
+    EXPECT_EQ(fit.samples, prepared.data->recordings[r].decimator->outputs());
     // White noise stays nearly white through the decimator (its outputs are as far apart as its bandwidth asks for).
     EXPECT_LT(fit.residual_lag1.cwiseAbs().maxCoeff(), 0.35) << fit.residual_lag1.transpose();
   }
   // 4000 samples: a standard deviation is known to 1 / sqrt(8000) = 1.1 %; five of them, and 3 % for the reversals.
-  const VectorXd deviation = SignalDeviation(prepared.study, truth_.gains, all);
+  const VectorXd deviation = SignalDeviation(prepared.data->drive, truth_.gains, all);
   for (int j = 0; j < 3; ++j) {
     EXPECT_NEAR(deviation[j] / simulated_.scenario.noise.signal[j], 1.0, 0.056 + 0.03) << j;
   }
@@ -80,11 +81,11 @@ TEST_F(PredictionTest, TruthLeavesTheNoiseOfTheSignals) {
 
 // Where the signal is that of motors, a deviation is theirs: torque = T' diag(g) v.
 TEST_F(PredictionTest, SignalDeviationIsOnTheSideOfTheSignal) {
-  Study study;
-  study.robot.joints.resize(2);
-  study.robot.transmission.resize(2, 2);
-  study.robot.transmission << 30.0, 0.0, 20.0, -40.0;
-  study.signal_side = Side::kMotor;
+  Robot robot;
+  robot.joints.resize(2);
+  robot.transmission.resize(2, 2);
+  robot.transmission << 30.0, 0.0, 20.0, -40.0;
+  const DriveMap drive(robot, Side::kMotor);
   const VectorXd gains = (VectorXd(2) << 0.5, 2.0).finished();
   // Root mean squares 1 and sqrt(2) between the decimated instants; what the filter made of the ends does not count.
   MatrixXd noise(6, 2);
@@ -102,7 +103,7 @@ TEST_F(PredictionTest, SignalDeviationIsOnTheSideOfTheSignal) {
   RecordingSeries unseen = series;
   unseen.use = "validation";
   unseen.torque *= 7.0;
-  const VectorXd deviation = SignalDeviation(study, gains, {series, unseen});
+  const VectorXd deviation = SignalDeviation(drive, gains, {series, unseen});
   EXPECT_NEAR(deviation[0], 1.0, 1e-12);
   EXPECT_NEAR(deviation[1], std::sqrt(2.0), 1e-12);
 }

@@ -18,12 +18,11 @@ TEST(VelocityAtRest, IsZeroWhereAJointStandsAndUntouchedWhereItMoves) {
   ReplaceOnce("position: 1.0e-6", "position: 3.0e-5", &study.scenario_text);
   study.Simulate();
   const PreparedStudy before = study.Prepare();
-  PreparedStudy after = before;
-  SetVelocityZeroAtRest(&after);
-  const Eigen::MatrixXd was = before.recordings[0].states.dq, is = after.recordings[0].states.dq;
+  const std::shared_ptr<const Data> after = WithVelocityZeroAtRest(*before.data);
+  const Eigen::MatrixXd was = before.data->recordings[0].states->dq, is = after->recordings[0].states->dq;
   int at_rest = 0, moving = 0;
   for (Eigen::Index j = 0; j < was.cols(); ++j) {
-    const double sigma = before.velocity_sigma[j];
+    const double sigma = before.data->velocity_sigma[j];
     for (Eigen::Index k = 0; k < was.rows(); ++k) {
       // Either as it was or zero, and zero only where it was noise.
       ASSERT_TRUE(is(k, j) == was(k, j) || (is(k, j) == 0.0 && std::abs(was(k, j)) < 4.0 * sigma)) << k << " " << j;
@@ -34,11 +33,12 @@ TEST(VelocityAtRest, IsZeroWhereAJointStandsAndUntouchedWhereItMoves) {
   // 8 dwells of 0.5 s on three joints at 200 Hz, less the corners that the filter rounds.
   EXPECT_GT(at_rest, 8 * 3 * 40);
   EXPECT_GT(moving, 1000);
-  EXPECT_EQ(after.recordings[0].states.q, before.recordings[0].states.q);
-  EXPECT_EQ(after.recordings[0].states.ddq, before.recordings[0].states.ddq);
+  EXPECT_EQ(after->recordings[0].states->q, before.data->recordings[0].states->q);
+  EXPECT_EQ(after->recordings[0].states->ddq, before.data->recordings[0].states->ddq);
   // A joint that passes a reversal without resting is not touched: the Fourier motion of the other recording, but for
   // its blends from and to rest.
-  const Eigen::MatrixXd &smooth_was = before.recordings[1].states.dq, &smooth_is = after.recordings[1].states.dq;
+  const Eigen::MatrixXd &smooth_was = before.data->recordings[1].states->dq,
+                        &smooth_is = after->recordings[1].states->dq;
   const Eigen::Index middle = smooth_was.rows() / 2, part = smooth_was.rows() / 4;
   EXPECT_EQ(smooth_is.middleRows(middle - part, 2 * part), smooth_was.middleRows(middle - part, 2 * part));
 }

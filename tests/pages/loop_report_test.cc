@@ -54,21 +54,22 @@ class LoopReport : public ::testing::Test {
     PreparedStudy clean = simulated.Prepare();
     // By the law itself, at the simulated motion as it was logged.
     std::vector<Recording> recordings;
-    for (const PreparedRecording& r : clean.recordings) {
-      recordings.push_back(r.recording);
-      for (Index i = 0; i < r.states.dq.rows(); ++i) {
-        const double dq = r.states.dq(i, kJoint);
+    for (const MeasuredRecording& r : clean.data->recordings) {
+      recordings.push_back(*r.recording);
+      for (Index i = 0; i < r.states->dq.rows(); ++i) {
+        const double dq = r.states->dq(i, kJoint);
         const double torque = std::copysign(kFp * std::pow(std::abs(dq), kExponent), dq);
-        recordings.back().signal(i, kJoint) += torque / clean.study.gains[kJoint];
+        recordings.back().signal(i, kJoint) += torque / clean.model.gains[kJoint];
       }
     }
-    Result<PreparedStudy> prepared = PrepareStudy(clean.study, std::move(recordings));
-    ASSERT_TRUE(prepared.ok()) << prepared.status().message();
-    result_ = new LoopResult(*prepared);
+    Result<std::shared_ptr<const Data>> data = MakeData(clean.data->request, std::move(recordings));
+    ASSERT_TRUE(data.ok()) << data.status().message();
+    const PreparedStudy prepared{*data, clean.model};
+    result_ = new LoopResult(prepared);
     LoopResult& result = *result_;
     result.status = Status::Ok();
     result.held_out_by_blocks = false;
-    const Result<EffectFit> declared = FitDeclared(*prepared);
+    const Result<EffectFit> declared = FitDeclared(prepared);
     ASSERT_TRUE(declared.ok()) << declared.status().message();
     result.before = IdentificationOf(*declared);
     const Result<EffectFit> fit =
@@ -76,7 +77,7 @@ class LoopReport : public ::testing::Test {
     ASSERT_TRUE(fit.ok()) << fit.status().message();
     result.after = IdentificationOf(*fit);
     result.prepared = fit->prepared;
-    const ActiveEffect active = fit->prepared.effects[0];
+    const ActiveEffect active = fit->prepared.model.effects[0];
     result.after.estimate.seconds = 3.5;
 
     LoopStep step;
@@ -206,9 +207,7 @@ TEST_F(LoopReport, NothingFound) {
   nothing.steps.clear();
   nothing.unexplained.clear();
   nothing.dropped.clear();
-  nothing.prepared.effects.clear();
-  nothing.prepared.effect_parameters.clear();
-  for (PreparedRecording& r : nothing.prepared.recordings) r.effects.clear();
+  nothing.prepared.model = WithoutEffects(nothing.prepared.model);
   nothing.after = nothing.before;
   const std::string text = LoopToText(nothing);
   EXPECT_THAT(text, HasSubstr("No effect was found"));
@@ -272,11 +271,11 @@ TEST_F(LoopReport, WarnsOfFrictionThatDrives) {
 TEST_F(LoopReport, DataLessModelIsTheResidual) {
   LoopResult two = *result_;
   const ArmParameters arm{
-      two.prepared.study.gains, VectorXd::Zero(two.prepared.num_columns()), {InertialVector::Zero()}};
-  std::vector<ActiveEffect> effects = two.prepared.effects;
+      two.prepared.model.gains, VectorXd::Zero(two.prepared.base().size() + 1), {InertialVector::Zero()}};
+  std::vector<ActiveEffect> effects = two.prepared.model.effects;
   effects.push_back({FindEffect("joint_spring"), {kJoint}, VectorXd(), {}});
   effects.push_back({FindEffect("motor_coupling"), {0, kJoint}, VectorXd(), {}});
-  SetEffects(effects, MotionsOf(two.prepared, arm), &two.prepared);
+  two.prepared.model = WithEffects(two.prepared, effects, MotionsOf(two.prepared, arm));
   const std::vector<EffectCurve> curves = EffectCurves(two);
   ASSERT_EQ(curves.size(), 3u);  // friction of joint 2; coupling of joint 1; spring and coupling of joint 2
   EXPECT_EQ(curves[0].over, EffectCurve::Over::kVelocity);

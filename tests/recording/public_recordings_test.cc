@@ -63,7 +63,8 @@ TEST(PublicRecordings, Tx40) {
       EXPECT_EQ(recording->signal(k, j), torque[j]);
     }
     // tau = T' tau_m: joint 5 carries motor 6 as well.
-    const Eigen::MatrixXd tau = JointTorque(*study, study->gains, recording->signal.row(k));
+    const Eigen::MatrixXd tau =
+        DriveMap(study->robot, study->signal_side).Torque(study->gains, recording->signal.row(k));
     EXPECT_NEAR(tau(0, 4), 45 * torque[4] + 32 * torque[5], 1e-12);
     EXPECT_NEAR(tau(0, 3), -48 * torque[3], 1e-12);
   }

@@ -146,7 +146,7 @@ TEST(JointTorque, PowerIsTheSameOnBothSides) {
   ASSERT_TRUE(study.ok());
   const Eigen::Vector2d gains(2.0, -3.0);
   const Eigen::MatrixXd signal = Rows({{0.3, 0.7}, {-1.2, 0.4}, {2.0, 5.0}});
-  const Eigen::MatrixXd torque = JointTorque(*study, gains, signal);
+  const Eigen::MatrixXd torque = DriveMap(study->robot, study->signal_side).Torque(gains, signal);
   const Eigen::Vector2d dq(0.6, -1.7);
   const Eigen::Vector2d motor_velocity = study->robot.transmission * dq;
   for (int k = 0; k < 3; ++k) {
@@ -155,7 +155,8 @@ TEST(JointTorque, PowerIsTheSameOnBothSides) {
     EXPECT_NEAR(torque.row(k).dot(dq), motor_power, 1e-12);
   }
   study->signal_side = Side::kJoint;
-  EXPECT_EQ(JointTorque(*study, gains, signal).row(0), Eigen::RowVector2d(0.6, -3.0 * 0.7));
+  EXPECT_EQ(DriveMap(study->robot, study->signal_side).Torque(gains, signal).row(0),
+            Eigen::RowVector2d(0.6, -3.0 * 0.7));
 }
 
 TEST(ReadRecording, TorqueInPlaceOfTheSignal) {

@@ -129,7 +129,7 @@ TEST_F(ScenarioFile, NoiselessRecordingsReadBackAsTheTruth) {
       ASSERT_TRUE(read.ok()) << read.status().message();
       EXPECT_EQ(read->t, truth.t);
       EXPECT_LT((read->q - truth.q).cwiseAbs().maxCoeff(), 1e-13);
-      const Eigen::MatrixXd torque = JointTorque(study, study.gains, read->signal);
+      const Eigen::MatrixXd torque = DriveMap(study.robot, study.signal_side).Torque(study.gains, read->signal);
       EXPECT_LT((torque - truth.torque).cwiseAbs().maxCoeff(), 1e-12 * truth.torque.cwiseAbs().maxCoeff());
     }
     EXPECT_EQ(SimulateTruth(scenario, scenario.recordings[1]).t.size(), 501);  // 2.5 s, cut off in the motion

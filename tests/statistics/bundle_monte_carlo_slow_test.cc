@@ -89,13 +89,13 @@ VectorXd ResidualVariance(const EivDraws& draws) {
   const VectorXd chi = draws.truth().tail(data.num_columns());
   VectorXd squares = VectorXd::Zero(n);
   MatrixXd d;
-  for (const BundleSample& sample : data.samples) {
+  for (const BundleSample& sample : data.samples()) {
     derivatives.Torque(sample, chi, &d);
     const MatrixXd b = draws.truth().head(n).cwiseInverse().asDiagonal() * data.inverse_drive * d;
     const MatrixXd v = b * StateCovarianceOf(data, sample.recording) * b.transpose();
     squares += (v.diagonal().cwiseQuotient(draws.sigma().cwiseAbs2()) + VectorXd::Ones(n)).cwiseAbs2();
   }
-  return (squares / static_cast<double>(data.samples.size())).cwiseSqrt();
+  return (squares / static_cast<double>(data.samples().size())).cwiseSqrt();
 }
 
 // Weights found from the residuals. Over R runs of K samples, the variance found scatters about the true one by

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/decompositions.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "core/simulation/simulate.h"
 #include "solvers/bundle/bundle.h"
 #include "tests/support/eiv_draws.h"
@@ -39,9 +39,9 @@ MatrixXd Whitened(const BaseParameters& base, const BundleData& data, const Bund
   const int n = data.dof;
   StateDerivatives derivatives(base, data);
   const VectorXd inverse_gains = summary.values.head(n).cwiseInverse(), chi = summary.values.tail(data.num_columns());
-  MatrixXd result(data.samples.size(), n), d;
-  for (size_t k = 0; k < data.samples.size(); ++k) {
-    const BundleSample& sample = data.samples[k];
+  MatrixXd result(data.samples().size(), n), d;
+  for (size_t k = 0; k < data.samples().size(); ++k) {
+    const BundleSample& sample = data.samples()[k];
     derivatives.Torque(sample, chi, &d);
     const MatrixXd b = inverse_gains.asDiagonal() * data.inverse_drive * d;
     MatrixXd v = b * StateCovarianceOf(data, sample.recording) * b.transpose();
@@ -109,11 +109,11 @@ ChainResult RunChain(const Chain& chain, int runs, bool unfiltered_columns) {
       testing::EvaluateColumns(base, std::sqrt(data.state_covariance[0][0](1, 1)), &data);
     }
     if (r == 0) {
-      std::cout << data.samples.size() << " samples; " << prepared->preprocessing.cutoff_hz << " Hz, "
-                << prepared->preprocessing.decimation << "; position noise " << prepared->position_noise.transpose()
-                << "\nstate noise of joint 1 " << data.state_covariance[0][0].diagonal().cwiseSqrt().transpose()
-                << "\n";
-      for (const Parameter& unknown : data.unknowns) result.names.push_back(unknown.name);
+      std::cout << data.samples().size() << " samples; " << prepared->data->preprocessing.cutoff_hz << " Hz, "
+                << prepared->data->preprocessing.decimation << "; position noise "
+                << prepared->data->position_noise.transpose() << "\nstate noise of joint 1 "
+                << data.state_covariance[0][0].diagonal().cwiseSqrt().transpose() << "\n";
+      for (const Parameter& unknown : data.unknowns.parameters()) result.names.push_back(unknown.name);
     }
     const BundleSummary summary = SolveBundle(base, data, truth);
     if (summary.IsSolutionUsable()) result.lag_one[r] = LagOne(Whitened(base, data, summary));

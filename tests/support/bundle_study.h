@@ -16,6 +16,7 @@
 
 #include "core/base/decompositions.h"
 #include "solvers/bundle/bundle_data.h"
+#include "tests/support/edit_data.h"
 #include "tests/support/gain_study.h"
 
 namespace idim::testing {
@@ -42,9 +43,9 @@ inline InertialVector CarriedPayload(const BundleData& data, int recording, cons
   InertialVector payload = InertialVector::Zero();
   const int carried = data.payload_of_recording[recording];
   if (carried < 0) return payload;
-  payload = data.known_payload[carried];
+  payload = data.unknowns.known_payload(carried);
   for (int k = 0; k < kNumInertial; ++k) {
-    if (data.payload_columns[carried][k] >= 0) payload[k] += chi[data.payload_columns[carried][k]];
+    if (data.payload_column(carried, k) >= 0) payload[k] += chi[data.payload_column(carried, k)];
   }
   return payload;
 }
@@ -53,21 +54,22 @@ inline InertialVector CarriedPayload(const BundleData& data, int recording, cons
 inline BundleStudy MakeBundleStudy(const GainScenario& scenario, double position_noise, double signal_noise) {
   GainStudy study = MakeGainStudy(scenario);
   const int n = scenario.robot.dof();
-  study.prepared.position_noise = Eigen::VectorXd::Constant(n, position_noise);
+  EditData(&study.prepared, [&](Data* data) { data->position_noise.setConstant(n, position_noise); });
   Result<BundleData> built = BuildBundleData(study.prepared);
   EXPECT_TRUE(built.ok()) << built.status().message();
   BundleStudy result{std::move(study.prepared), std::move(built).value(), study.truth, Eigen::VectorXd::Zero(n)};
   BundleData& data = result.data;
-  for (const BundleSample& sample : data.samples) result.sigma += sample.signal.cwiseAbs2();
-  result.sigma = signal_noise * (result.sigma / static_cast<double>(data.samples.size())).cwiseSqrt();
+  for (const BundleSample& sample : data.samples()) result.sigma += sample.signal.cwiseAbs2();
+  result.sigma = signal_noise * (result.sigma / static_cast<double>(data.samples().size())).cwiseSqrt();
 
   const Eigen::VectorXd chi = result.truth.tail(data.num_columns());
-  const Eigen::VectorXd standard = SmoothStandardParameters(result.prepared.base, chi);
-  StandardModel model = result.prepared.base.model();
+  const Eigen::VectorXd standard = SmoothStandardParameters(result.prepared.base(), chi);
+  StandardModel model = result.prepared.base().model();
   std::mt19937_64 generator(scenario.noise_seed);
   std::normal_distribution<double> normal;
   Eigen::VectorXd white(3 * n), measured(n), moved(n);
-  for (BundleSample& sample : data.samples) {
+  std::vector<BundleSample> samples = data.samples();
+  for (BundleSample& sample : samples) {
     for (int s = 0; s < 3 * n; ++s) white[s] = normal(generator);
     const Eigen::LLT<Eigen::MatrixXd> llt(StateCovarianceOf(data, sample.recording));
     const Eigen::VectorXd state = sample.state + llt.matrixL() * white;
@@ -80,6 +82,7 @@ inline BundleStudy MakeBundleStudy(const GainScenario& scenario, double position
     sample.signal += (data.inverse_drive * (moved - measured)).cwiseQuotient(scenario.gains);
     for (int j = 0; j < n; ++j) sample.signal[j] += result.sigma[j] * normal(generator);
   }
+  data.SetSamples(std::move(samples));
   return result;
 }
 

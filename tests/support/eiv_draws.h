@@ -27,6 +27,7 @@
 #include "solvers/bundle/bundle_data.h"
 #include "solvers/linear/gain_system.h"
 #include "tests/support/bundle_study.h"
+#include "tests/support/edit_data.h"
 #include "tests/support/gain_study.h"
 
 namespace idim::testing {
@@ -38,23 +39,25 @@ inline void EvaluateColumns(const BaseParameters& base, double velocity_sigma, B
   StandardModel model = base.model();
   const Eigen::VectorXd sigma = Eigen::VectorXd::Constant(n, velocity_sigma);
   StateDerivatives::RowMajorMatrix standard(n, model.columns()), payload(n, kNumInertial);
-  for (BundleSample& sample : data->samples) {
+  std::vector<BundleSample> samples = data->samples();
+  for (BundleSample& sample : samples) {
     const double* x = sample.state.data();
     model.Regressor(x, x + n, x + 2 * n, sigma.data(), standard.data());
     sample.sign_variance.resize(n);
     for (int j = 0; j < n; ++j) sample.sign_variance[j] = 1.0 - std::pow(ExpectedSign(x[n + j], velocity_sigma), 2);
     sample.columns.setZero();
-    for (int k = 0; k < data->num_base; ++k) sample.columns.col(k) = standard.col(base.kept()[k]);
+    for (int k = 0; k < data->unknowns.num_base(); ++k) sample.columns.col(k) = standard.col(base.kept()[k]);
     sample.known.setZero();
     const int carried = data->payload_of_recording[sample.recording];
     if (carried < 0) continue;
     model.PayloadColumns(payload.data());
     for (int k = 0; k < kNumInertial; ++k) {
-      const int column = data->payload_columns[carried][k];
+      const int column = data->payload_column(carried, k);
       if (column >= 0) sample.columns.col(column) = payload.col(k);
     }
-    sample.known = payload * data->known_payload[carried];
+    sample.known = payload * data->unknowns.known_payload(carried);
   }
+  data->SetSamples(std::move(samples));
 }
 
 struct EivNoise {
@@ -68,8 +71,8 @@ class EivDraws {
  public:
   // study: its joint states, decimated, are the true ones; its signals do not matter.
   EivDraws(GainStudy study, const EivNoise& noise) : noise_(noise), study_(std::move(study)) {
-    const int n = study_.prepared.study.robot.dof();
-    study_.prepared.position_noise = Eigen::VectorXd::Ones(n);
+    const int n = study_.prepared.robot().dof();
+    EditData(&study_.prepared, [&](Data* data) { data->position_noise.setOnes(n); });
     Result<BundleData> built = BuildBundleData(study_.prepared);
     EXPECT_TRUE(built.ok()) << built.status().message();
     exact_ = std::move(built).value();
@@ -86,21 +89,23 @@ class EivDraws {
     StandardModel model = base().model();
     Eigen::VectorXd tau(n);
     sigma_ = Eigen::VectorXd::Zero(n);
-    for (BundleSample& sample : exact_.samples) {
+    std::vector<BundleSample> samples = exact_.samples();
+    for (BundleSample& sample : samples) {
       const double* x = sample.state.data();
       model.Torque(x, x + n, x + 2 * n, nullptr, standard, CarriedPayload(exact_, sample.recording, chi), tau.data());
       sample.signal = (exact_.inverse_drive * tau).cwiseQuotient(truth().head(n));
       sigma_ += sample.signal.cwiseAbs2();
     }
-    sigma_ = noise.signal * (sigma_ / static_cast<double>(exact_.samples.size())).cwiseSqrt();
+    sigma_ = noise.signal * (sigma_ / static_cast<double>(samples.size())).cwiseSqrt();
+    exact_.SetSamples(std::move(samples));
   }
 
-  const BaseParameters& base() const { return study_.prepared.base; }
+  const BaseParameters& base() const { return study_.prepared.base(); }
   const Eigen::VectorXd& truth() const { return study_.truth; }
   const Eigen::VectorXd& sigma() const { return sigma_; }  // of the signals' noise
   std::vector<std::string> names() const {
     std::vector<std::string> names;
-    for (const Parameter& unknown : exact_.unknowns) names.push_back(unknown.name);
+    for (const Parameter& unknown : exact_.unknowns.parameters()) names.push_back(unknown.name);
     return names;
   }
 
@@ -113,7 +118,8 @@ class EivDraws {
     Eigen::VectorXd correlated(n);
     const double rho = noise_.signal_correlation;
     int recording = -1;
-    for (BundleSample& sample : data.samples) {
+    std::vector<BundleSample> samples = data.samples();
+    for (BundleSample& sample : samples) {
       for (int j = 0; j < n; ++j) {
         Eigen::Vector3d white;
         for (double& w : white) w = normal(generator);
@@ -128,6 +134,7 @@ class EivDraws {
       }
       sample.signal += sigma_.cwiseProduct(correlated);
     }
+    data.SetSamples(std::move(samples));
     EvaluateColumns(base(), noise_.state[1], &data);
     return data;
   }
@@ -160,11 +167,12 @@ inline Eigen::VectorXd TrueValues(const Scenario& scenario, const BaseParameters
 inline GainStudy ExactStudy(const Scenario& scenario) {
   const Study study = StudyOf(scenario);
   const int n = study.robot.dof();
-  GainStudy result{{study, BaseParameters(StandardModel(study.robot, study.friction)), {}, {}, {}, {}}, {}};
-  PreparedStudy& prepared = result.prepared;
-  prepared.preprocessing.cutoff_hz = 0.4 * scenario.truth.rate;
-  prepared.preprocessing.decimation = 1;
-  prepared.position_noise = prepared.velocity_sigma = Eigen::VectorXd::Zero(n);
+  Result<Model> supposed = MakeModel(study);
+  EXPECT_TRUE(supposed.ok()) << supposed.status().message();
+  Data data{DataRequestOf(study), DriveMap(study.robot, study.signal_side), {}, {}, {}, {}, {}};
+  data.preprocessing.cutoff_hz = 0.4 * scenario.truth.rate;
+  data.preprocessing.decimation = 1;
+  data.position_noise = data.velocity_sigma = Eigen::VectorXd::Zero(n);
   for (size_t r = 0; r < scenario.recordings.size(); ++r) {
     const Truth truth = SimulateTruth(scenario, scenario.recordings[r]);
     Recording recording;
@@ -172,12 +180,15 @@ inline GainStudy ExactStudy(const Scenario& scenario) {
     recording.t = truth.t;
     recording.q = truth.q;
     recording.signal = truth.signal;
-    Result<Decimator> decimator = MakeDecimator(recording, prepared.preprocessing);
+    Result<Decimator> decimator = MakeDecimator(recording, data.preprocessing);
     EXPECT_TRUE(decimator.ok()) << decimator.status().message();
     JointStates states{AnalyzeClock(truth.t), truth.t, truth.q, truth.dq, truth.ddq};
-    prepared.recordings.push_back({study.recordings[r], recording, states, std::move(decimator).value()});
+    data.recordings.push_back({study.recordings[r], std::make_shared<const Recording>(std::move(recording)),
+                               std::make_shared<const JointStates>(std::move(states)),
+                               std::make_shared<const Decimator>(std::move(decimator).value())});
   }
-  result.truth = TrueValues(scenario, prepared.base);
+  GainStudy result{{std::make_shared<const Data>(std::move(data)), *std::move(supposed)}, {}};
+  result.truth = TrueValues(scenario, result.prepared.base());
   return result;
 }
 
@@ -185,9 +196,9 @@ inline GainStudy ExactStudy(const Scenario& scenario) {
 // gains.
 inline GainSystem GainSystemOf(const BundleData& data) {
   const int n = data.dof;
-  GainSystem system(data.unknowns, n);
+  GainSystem system(data.unknowns.parameters(), n);
   Eigen::RowVectorXd row(data.num_unknowns() + 1), load = Eigen::RowVectorXd::Zero(n + 2);
-  for (const BundleSample& sample : data.samples) {
+  for (const BundleSample& sample : data.samples()) {
     for (int j = 0; j < n; ++j) {
       row.setZero();
       row[j] = sample.signal[j];

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/decompositions.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "solvers/linear/gain_system.h"
 #include "tests/support/random_arm.h"
 
@@ -77,11 +77,12 @@ inline GainStudy MakeGainStudy(const GainScenario& scenario) {
     if (p.kind == ParameterKind::kFriction) chi[c] = random.Uniform(0.3, 5.0);
   }
 
-  GainStudy result{{study, BaseParameters(model), {}, {}, Eigen::VectorXd::Zero(n), {}}, {}};
-  PreparedStudy& prepared = result.prepared;
-  prepared.preprocessing.cutoff_hz = 20.0;
-  prepared.preprocessing.decimation = scenario.decimation;
-  prepared.position_noise = Eigen::VectorXd::Zero(n);
+  Result<Model> supposed = MakeModel(study);
+  EXPECT_TRUE(supposed.ok()) << supposed.status().message();
+  Data data{DataRequestOf(study), DriveMap(study.robot, study.signal_side), {}, {}, {}, {}, {}};
+  data.preprocessing.cutoff_hz = 20.0;
+  data.preprocessing.decimation = scenario.decimation;
+  data.position_noise = data.velocity_sigma = Eigen::VectorXd::Zero(n);
   std::mt19937_64 generator(scenario.noise_seed);
   std::normal_distribution<double> normal;
   for (const RecordingEntry& entry : study.recordings) {
@@ -105,14 +106,13 @@ inline GainStudy MakeGainStudy(const GainScenario& scenario) {
       }
     }
     Eigen::VectorXd q, dq, ddq, tau(n);
-    const Eigen::MatrixXd drive = JointTorque(study, scenario.gains, Eigen::MatrixXd::Identity(n, n)).transpose();
-    const Eigen::PartialPivLU<Eigen::MatrixXd> inverse(drive);
+    const Eigen::PartialPivLU<Eigen::MatrixXd> inverse(data.drive.Matrix(scenario.gains));
     const InertialVector load = entry.payload < 0 ? InertialVector(InertialVector::Zero()) : body;
     for (int i = 0; i < samples; ++i) {
       q = states.q.row(i);
       dq = states.dq.row(i);
       ddq = states.ddq.row(i);
-      model.Torque(q.data(), dq.data(), ddq.data(), prepared.velocity_sigma.data(), chi, load, tau.data());
+      model.Torque(q.data(), dq.data(), ddq.data(), data.velocity_sigma.data(), chi, load, tau.data());
       recording.signal.row(i) = inverse.solve(tau).transpose();
     }
     const Eigen::VectorXd rms = recording.signal.colwise().norm() / std::sqrt(double(samples));
@@ -120,12 +120,15 @@ inline GainStudy MakeGainStudy(const GainScenario& scenario) {
       for (int i = 0; i < samples; ++i) recording.signal(i, j) += scenario.signal_noise * rms[j] * normal(generator);
     }
     recording.q = states.q;
-    Result<Decimator> decimator = MakeDecimator(recording, prepared.preprocessing);
+    Result<Decimator> decimator = MakeDecimator(recording, data.preprocessing);
     EXPECT_TRUE(decimator.ok()) << decimator.status().message();
-    prepared.recordings.push_back({entry, recording, states, std::move(decimator).value()});
+    data.recordings.push_back({entry, std::make_shared<const Recording>(recording),
+                               std::make_shared<const JointStates>(states),
+                               std::make_shared<const Decimator>(std::move(decimator).value())});
   }
 
-  const Eigen::VectorXd base = prepared.base.projection() * chi;
+  GainStudy result{{std::make_shared<const Data>(std::move(data)), *std::move(supposed)}, {}};
+  const Eigen::VectorXd base = result.prepared.base().projection() * chi;
   std::vector<double> unknown;
   for (int k = 0; k < kNumInertial; ++k) {
     if (!payload.known[k]) unknown.push_back(body[k]);

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/file.h"
-#include "core/model/prepared_study.h"
+#include "core/model/model.h"
 #include "core/recording/study.h"
 #include "core/simulation/scenario.h"
 #include "core/simulation/simulate_scenario.h"

@@ -8,6 +8,7 @@
 
 #include "core/model/active_effects.h"
 #include "solvers/bundle/bundle_problem.h"
+#include "solvers/loop/loop_rules.h"
 
 namespace idim {
 namespace {
@@ -211,8 +212,8 @@ std::vector<ActiveEffect> OfWrongSign(const EffectFit& fit) {
   const std::vector<EffectUnknowns> unknowns = UnknownsOf(fit);
   for (size_t e = 0; e < unknowns.size(); ++e) {
     const ActiveEffect& active = fit.prepared.effects[e];
-    if (!active.effect->non_negative()) continue;
-    if (fit.summary.values.segment(unknowns[e].at, unknowns[e].linear).minCoeff() < 0.0) wrong.push_back(active);
+    const VectorXd values = fit.summary.values.segment(unknowns[e].at, unknowns[e].linear);
+    if (HasForbiddenSign(active.effect->non_negative(), values)) wrong.push_back(active);
   }
   return wrong;
 }

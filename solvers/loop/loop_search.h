@@ -177,37 +177,30 @@ class LoopSearch {
   bool Reconsider() {
     Release();
     bool changed = DropForbiddenSigns();
+    std::vector<Effect> added;
+    for (const Effect& effect : problem_.Effects(model_)) {
+      if (!Has(declared_, effect)) added.push_back(effect);
+    }
     // While one is judged the next is fitted already, for nothing where the model changes.
     std::future<std::optional<Model>> ahead;
-    for (size_t e = 0; e < problem_.Effects(model_).size();) {
-      const std::vector<Effect> effects = problem_.Effects(model_);
-      const Effect effect = effects[e];
-      if (Has(declared_, effect)) {
-        ++e;
-        continue;
-      }
+    for (size_t e = 0; e < added.size(); ++e) {
+      const Effect& effect = added[e];
       Say("is " + EffectTitle(effect) + " needed beside the others?");
       std::optional<Model> without = ahead.valid() ? ahead.get() : Without(effect);
-      if (options_.threads > 1 && e + 1 < effects.size()) {
-        ahead = std::async(std::launch::async, [this, next = effects[e + 1]] { return Without(next); });
+      if (options_.threads > 1 && e + 1 < added.size()) {
+        ahead = std::async(std::launch::async, [this, &next = added[e + 1]] { return Without(next); });
       }
-      if (!without) {
-        ++e;
-        continue;
-      }
+      if (!without) continue;
       // A model in which another effect turns its sign is none to go back to.
       if (ForbiddenSigns(*without).empty() && !IsNeededIn(model_, *without, effect)) {
         ahead = {};
         Drop({effect, WhyDropped::kNotNeeded, std::nullopt}, *std::move(without));
         changed = true;
-        continue;
-      }
-      if (std::optional<Replacement> better = BetterAt(effect, *without)) {
+      } else if (std::optional<Replacement> better = BetterAt(effect, *without)) {
         ahead = {};
-        Replace(effect, *std::move(without), *std::move(better));
+        Replace(effect, *without, *std::move(better));
         changed = true;
       }
-      ++e;
     }
     return changed;
   }
@@ -224,16 +217,21 @@ class LoopSearch {
     if (std::optional<Model> released = problem_.Fit(model_, effects)) model_ = *std::move(released);
   }
 
-  // False: there is none.
+  // One after the other, since those that are left may turn theirs again. False: there is none.
   bool DropForbiddenSigns() {
     bool changed = false;
+    while (DropAForbiddenSign()) changed = true;
+    return changed;
+  }
+
+  bool DropAForbiddenSign() {
     for (const Effect& effect : ForbiddenSigns(model_)) {
       std::optional<Model> without = Without(effect);
       if (!without) continue;
       Drop({effect, WhyDropped::kForbiddenSign, std::nullopt}, *std::move(without));
-      changed = true;
+      return true;
     }
-    return changed;
+    return false;
   }
 
   void Drop(Dropped dropped, Model without) {

@@ -95,6 +95,17 @@ TEST(LoopReconsiders, DropsWhatTurnedItsSign) {
   EXPECT_THAT(outcome.dropped, ElementsAre("a forbidden sign"));
 }
 
+// Signs are looked at anew after each.
+TEST(LoopReconsiders, DropsSignsOneAfterTheOther) {
+  StandIn stand_in;
+  ScriptedProblem& problem = stand_in.problem;
+  problem.forbidden["a b c"] = {"a", "b"};
+  EXPECT_THAT(Searched(problem).dropped, ElementsAre("a forbidden sign"));
+  problem.forbidden["b c"] = {"c"};
+  EXPECT_THAT(Searched(problem).dropped, ElementsAre("a forbidden sign", "c forbidden sign"));
+  EXPECT_EQ(Searched(problem).model, "b");
+}
+
 TEST(LoopReconsiders, DropsWhatTurnedItsSignInTheLastSweep) {
   ScriptedProblem problem;
   problem.Leaves("", 100);
@@ -194,6 +205,26 @@ TEST(LoopReconsiders, LooksAgainAfterAReplacement) {
   problem.scans[""] = {Candidate("a", 30), Candidate("r", 20)};
   problem.scans["r"] = {Candidate("b", 20)};
   EXPECT_EQ(Searched(problem).model, "b r");
+}
+
+TEST(LoopReconsiders, AReplacementKeepsTheOthersFromNothing) {
+  ScriptedProblem problem;
+  problem.Leaves("", 100);
+  problem.Leaves("a", 80);
+  problem.Leaves("a b", 60);
+  problem.Leaves("b", 75);
+  problem.Leaves("b r", 40);
+  problem.Leaves("r", 40);
+  problem.scans[""] = {Candidate("a", 20)};
+  problem.scans["a"] = {Candidate("b", 20, 1, {1})};
+  problem.scans["b"] = {Candidate("r", 30)};
+  for (const int threads : {1, 2}) {
+    LoopOptions options;
+    options.threads = threads;
+    const Outcome outcome = Searched(problem, options);
+    EXPECT_THAT(outcome.dropped, ElementsAre("a replaced by r", "b not needed"));
+    EXPECT_EQ(outcome.model, "r");
+  }
 }
 
 // The model without effects is asked for at the second reconsideration, and there is no third.

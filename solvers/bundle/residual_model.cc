@@ -241,9 +241,4 @@ ResidualModel::HeldOut ResidualModel::CrossValidate(const MatrixXd& remainder) c
   return result;
 }
 
-double StandardErrorOfSum(const VectorXd& folds) {
-  const double count = static_cast<double>(folds.size());
-  return std::sqrt(count / (count - 1.0) * (folds.array() - folds.mean()).matrix().squaredNorm());
-}
-
 }  // namespace idim

@@ -104,9 +104,6 @@ class ResidualModel {
   Eigen::MatrixXd torque_;
 };
 
-// Of the sum of `folds`, by their spread.
-double StandardErrorOfSum(const Eigen::VectorXd& folds);
-
 }  // namespace idim
 
 #endif  // IDIM_SOLVERS_BUNDLE_RESIDUAL_MODEL_H_

@@ -1,7 +1,7 @@
 // Closing the loop: residual -> missing effect -> added -> error before and after, until nothing is left to add.
 //
 // 1. The declared model, with the effects of the study's key (solvers/loop/declared_effects.h), is fitted by the bundle
-//    (gains identified or known), with velocities zero at rest (SetVelocityZeroAtRest), so that friction of noise is
+//    (gains identified or known), with velocities zero at rest (WithVelocityZeroAtRest), so that friction of noise is
 //    not traced.
 // 2. All candidates are scanned (solvers/loop/effect_scan.h). One is added if its corrected score test passes and if it
 //    lowers the held-out error of its joints by more than `margin`, by more than two standard errors of the folds or in
@@ -25,7 +25,6 @@
 #define IDIM_SOLVERS_LOOP_CLOSE_LOOP_H_
 
 #include <Eigen/Core>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -36,21 +35,10 @@
 #include "solvers/loop/effect_fit.h"
 #include "solvers/loop/effect_scan.h"
 #include "solvers/loop/judged_fit.h"
+#include "solvers/loop/loop_options.h"
 #include "solvers/loop/unexplained.h"
 
 namespace idim {
-
-struct LoopOptions {
-  double significance = 0.05;  // of the score test, corrected for all that is tried, in (0, 1)
-  double margin = 0.02;        // relative decrease of the held-out error that an effect must bring, in (0, 1)
-  int max_effects = 24;        // >= 0
-  int threads = 1;             // >= 1
-  std::function<void(const std::string&)> progress;
-
-  bool IsValid(std::string* error) const;
-  // The margin as a relative decrease of the squared error.
-  double DecreaseOfSquares() const { return margin * (2.0 - margin); }
-};
 
 struct LoopRival {
   ActiveEffect effect;

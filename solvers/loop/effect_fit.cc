@@ -9,6 +9,7 @@
 #include "core/model/active_effects.h"
 #include "solvers/bundle/bundle_problem.h"
 #include "solvers/estimators/assemble_estimate.h"
+#include "solvers/loop/loop_rules.h"
 
 namespace idim {
 namespace {
@@ -196,9 +197,8 @@ std::vector<ActiveEffect> OfWrongSign(const EffectFit& fit) {
   const Unknowns& unknowns = fit.data.unknowns;
   for (size_t e = 0; e < unknowns.num_effects(); ++e) {
     const ActiveEffect& active = fit.prepared.model.effects[e];
-    if (!active.effect->non_negative()) continue;
-    if (fit.summary.values.segment(unknowns.effect(e).at, unknowns.effect(e).linear).minCoeff() < 0.0)
-      wrong.push_back(active);
+    const VectorXd values = fit.summary.values.segment(unknowns.effect(e).at, unknowns.effect(e).linear);
+    if (HasForbiddenSign(active.effect->non_negative(), values)) wrong.push_back(active);
   }
   return wrong;
 }

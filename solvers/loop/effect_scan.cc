@@ -152,9 +152,7 @@ class ShapeSearch {
  private:
   // What it explains, as long as its parameters have the sign that physics allows.
   double Allowed(const ResidualModel::Explanation& explanation) const {
-    const bool wrong =
-        place_.effect->non_negative() && explanation.step.size() > 0 && explanation.step.minCoeff() < 0.0;
-    return wrong ? 0.0 : explanation.explained;
+    return HasForbiddenSign(place_.effect->non_negative(), explanation.step) ? 0.0 : explanation.explained;
   }
 
   // At each value on the grid of shape s, the others as they are; by decimated states.
@@ -229,13 +227,11 @@ class ShapeSearch {
   std::vector<ShapeParameter> shapes_;
 };
 
-void SetHeldOut(const ResidualModel& residual, const MatrixXd& before, EffectCandidate* candidate) {
+void CrossValidate(const ResidualModel& residual, const MatrixXd& before, EffectCandidate* candidate) {
   const MatrixXd after = residual.CrossValidate(candidate->remainder).squares;
-  candidate->held_out_gain = (before - after).rowwise().sum();
   double squares = before.sum();
   if (candidate->effect.joints.size() == 1) squares = before.col(candidate->effect.joints[0]).sum();
-  candidate->held_out_decrease = candidate->held_out_gain.sum() / squares;
-  candidate->held_out_error = StandardErrorOfSum(candidate->held_out_gain) / squares;
+  SetHeldOut((before - after).rowwise().sum(), squares, candidate);
 }
 
 }  // namespace
@@ -272,15 +268,13 @@ EffectScan ScanEffects(const PreparedStudy& prepared, const ResidualModel& resid
   for (const Place& place : places) ++places_of[place.effect];
   for (size_t k = 0; k < all.size(); ++k) {
     EffectCandidate& candidate = all[k];
-    const double tries = static_cast<double>(places_of.size()) * places_of[places[k].effect] * std::max(tried[k], 1);
-    candidate.p_value = std::min(1.0, candidate.score.p_value * tries);
-    if (candidate.remainder.cols() == 0 || candidate.p_value > options.significance) continue;
-    SetHeldOut(residual, before, &candidate);
+    const Tries tries = {static_cast<int>(places_of.size()), places_of[places[k].effect], tried[k]};
+    candidate.p_value = CorrectedPValue(candidate.score.p_value, tries);
+    if (candidate.remainder.cols() == 0 || !PassesScoreTest(candidate.p_value, options.significance)) continue;
+    CrossValidate(residual, before, &candidate);
     scan.candidates.push_back(std::move(candidate));
   }
-  std::stable_sort(
-      scan.candidates.begin(), scan.candidates.end(),
-      [](const EffectCandidate& a, const EffectCandidate& b) { return a.held_out_gain.sum() > b.held_out_gain.sum(); });
+  std::stable_sort(scan.candidates.begin(), scan.candidates.end(), RanksBefore);
   return scan;
 }
 

@@ -20,19 +20,15 @@
 #include "core/model/model.h"
 #include "core/model/prediction.h"
 #include "solvers/bundle/residual_model.h"
+#include "solvers/loop/loop_rules.h"
 
 namespace idim {
 
-struct EffectCandidate {
+struct EffectCandidate : CandidateRow {
   ActiveEffect effect;  // at its best shape
-  int parameters = 0;   // linear ones that the model cannot imitate, and shape parameters
   double explained = 0.0;
   ResidualModel::Score score;
-  double p_value = 1.0;            // of the score, corrected for all that is tried, at most 1
-  Eigen::VectorXd held_out_gain;   // folds: decrease of the squared residual of all joints
-  double held_out_decrease = 0.0;  // its sum over the squares of the effect's joints
-  double held_out_error = 0.0;     // standard error of held_out_decrease, from the folds
-  Eigen::MatrixXd remainder;       // of its columns, samples n x parameters
+  Eigen::MatrixXd remainder;  // of its columns, samples n x parameters
 };
 
 struct ScanOptions {
@@ -48,7 +44,7 @@ struct EffectScan {
   int tried = 0;  // shapes of all candidates
 };
 
-// Candidates at every place but those of prepared.effects and declared friction. arm: as fitted, effects included.
+// Candidates at every place but those of prepared.model.effects and declared friction. arm: as fitted, effects included.
 EffectScan ScanEffects(const PreparedStudy& prepared, const ResidualModel& residual, const ArmParameters& arm,
                        const ScanOptions& options);
 

@@ -9,7 +9,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 packages=(
-  g++ cmake ninja-build git ca-certificates
+  g++ cmake ninja-build git ca-certificates python3
   libeigen3-dev libceres-dev libsuitesparse-dev libboost-dev   # linear algebra, least squares, statistics
   libyaml-cpp-dev nlohmann-json3-dev liburdfdom-dev libcsv-dev # files
   libgoogle-glog-dev libgflags-dev                             # checks and command lines

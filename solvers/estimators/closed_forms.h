@@ -26,8 +26,8 @@ struct LinearFit {
 LinearFit FitLinear(const PreparedStudy& prepared, const LinearOptions& options);
 
 // LS or WLS with known drive gains; WLS rows weighted by the study's a priori signal noise where it has one. BadInput:
-// unknown gains, a validation payload that no identification recording carries. What the data cannot tell is in
-// estimate.status.
+// unknown gains, a validation payload that no identification recording carries.
+// What the data cannot tell is in estimate.status.
 Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const LinearOptions& options);
 
 // Drive gains and parameters together. system: of the same study (BuildGainSystem), so that several estimators share

@@ -25,8 +25,8 @@ GainSystem Build(const GainStudy& study) {
   return std::move(system).value();
 }
 
-// The paper's arm moving gently, its first axis upright, then the same arm on a wall: one motion, one noise, other
-// gravity.
+// The paper's arm moving gently, its first axis upright, then the same arm on a wall: one motion, one noise,
+// other gravity.
 std::vector<GainVerdict> Judge(const Eigen::Vector3d& gravity) {
   GainScenario scenario = testing::Tx40Gains();
   scenario.robot.gravity = gravity;
@@ -95,8 +95,8 @@ TEST(GainVerdict, NumbersAreThoseOfTheDefinitions) {
     EXPECT_NEAR(v.known_share, 1.0 - rest.squaredNorm() / signal.squaredNorm(), 1e-8);
     EXPECT_NEAR(v.least_squares, -signal.dot(known) / signal.squaredNorm(), 1e-7);
     EXPECT_NEAR(v.reliability, 1.0 - v.noise * v.noise / (v.independent * v.independent), 1e-10);
-    // All gains' signals scatter by 20 % of their rms a recorded sample; the decimator leaves sum of squares of its
-    // taps.
+    // All gains' signals scatter by 20 % of their rms a recorded sample;
+    // the decimator leaves sum of squares of its taps.
     const std::vector<double>& taps = study.prepared.recordings[0].decimator.Taps();
     double squares = 0.0;
     for (const double tap : taps) squares += tap * tap;

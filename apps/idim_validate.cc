@@ -38,7 +38,7 @@ Status Run(const std::string& study_path) {
   }
   const Status written =
       idim::WriteFiles(FLAGS_output, {{"validation.json", idim::ValidationToJson(study->robot.name, validations)},
-                                      {"report.html", idim::RenderValidationReport(study->robot.name, validations)}});
+                                      {"report.html", idim::RenderValidationReport(study->robot, validations)}});
   if (!written.ok()) return written;
   progress.Clear();
   std::cout << idim::ValidationToText(validations);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "apps/pages/loop_report.h"
+#include "core/robot/joint_units.h"
 #include "solvers/loop/effect_curves.h"
 
 namespace idim {
@@ -15,12 +16,8 @@ using Eigen::VectorXd;
 // Data are seen behind the model that runs through them [px].
 constexpr double kDataSize = 4.0, kModelSize = 2.5;
 
-struct Units {
-  std::string torque, position;
-};
-Units UnitsOf(const LoopResult& result, Index joint) {
-  const bool prismatic = result.prepared.study.robot.joints[static_cast<size_t>(joint)].type == JointType::kPrismatic;
-  return prismatic ? Units{"N", "m"} : Units{"N m", "rad"};
+JointUnits UnitsOf(const LoopResult& result, Index joint) {
+  return UnitsOf(result.prepared.study.robot, static_cast<int>(joint));
 }
 
 VectorXd Residual(const RecordingSeries& series, Index joint) {
@@ -48,10 +45,10 @@ Section Residuals(const LoopResult& result, bool over_velocity) {
   const auto& before = result.before.series;
   const auto& after = result.after.series;
   for (Index j = 0; j < result.prepared.study.robot.dof(); ++j) {
-    const Units units = UnitsOf(result, j);
+    const JointUnits units = UnitsOf(result, j);
     ScatterFigure figure;
     figure.title = JointTitle(j);
-    figure.x_title = over_velocity ? "velocity [" + units.position + "/s]" : "position [" + units.position + "]";
+    figure.x_title = over_velocity ? "velocity [" + units.velocity + "]" : "position [" + units.position + "]";
     figure.y_title = "residual [" + units.torque + "]";
     const auto x = [&](const RecordingSeries& s) {
       return VectorXd(over_velocity ? s.decimated_dq.col(j) : s.decimated_q.col(j));
@@ -100,10 +97,10 @@ Section FrictionSection(const LoopResult& result) {
   FigureGrid grid;
   for (const EffectCurve& curve : EffectCurves(result)) {
     if (curve.over != EffectCurve::Over::kVelocity) continue;
-    const Units units = UnitsOf(result, curve.joint);
+    const JointUnits units = UnitsOf(result, curve.joint);
     ScatterFigure figure;
     figure.title = JointTitle(curve.joint) + ": " + Words(curve.effects);
-    figure.x_title = "velocity [" + units.position + "/s]";
+    figure.x_title = "velocity [" + units.velocity + "]";
     figure.y_title = "friction [" + units.torque + "]";
     figure.sets = {{"data", curve.abscissa, curve.data, SeriesColor::kResidual, {}, kDataSize},
                    {"declared model", curve.abscissa, curve.declared, kBefore, {}, kModelSize},
@@ -124,7 +121,7 @@ Section OtherEffectsSection(const LoopResult& result) {
   FigureGrid grid;
   for (const EffectCurve& curve : EffectCurves(result)) {
     if (curve.over == EffectCurve::Over::kVelocity) continue;
-    const Units units = UnitsOf(result, curve.joint);
+    const JointUnits units = UnitsOf(result, curve.joint);
     const bool over_position = curve.over == EffectCurve::Over::kPosition;
     ScatterFigure figure;
     figure.title = JointTitle(curve.joint) + ": " + Words(curve.effects);

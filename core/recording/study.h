@@ -58,8 +58,8 @@ struct RecordingEntry {
   std::optional<std::pair<int, int>> rows;
 };
 
-// A start value for a shape parameter. Names and limits depend on the motion: solvers/loop/declared_effects.h checks
-// them.
+// A start value for a shape parameter. Names and limits depend on the motion:
+// solvers/loop/declared_effects.h checks them.
 struct DeclaredShape {
   std::string name;
   double value = 0.0;
@@ -88,7 +88,7 @@ struct Study {
   std::vector<RecordingEntry> recordings;
   std::vector<Payload> payloads;
   GainsMode gains_mode = GainsMode::kKnown;
-  // n, [N m per signal unit]. Known mode: exact (default 1). Identify mode: a priori values or empty.
+  // n, [N.m or N per signal unit]. Known mode: exact (default 1). Identify mode: a priori values or empty.
   Eigen::VectorXd gains;
   std::vector<Prior> priors;
   FrictionModel friction;
@@ -124,7 +124,7 @@ Result<Study> ReadStudy(const std::string& yaml_path);
 // belong to a joint that the robot lacks, tau with gains that are not known and 1 or with signal_side motor.
 Result<Recording> ReadRecording(const Study& study, const RecordingEntry& entry);
 
-// Joint torque [N m] of a signal row with the given gains: diag(g) v on the joint side, T' diag(g) v on the motor
+// Joint torque [N.m or N] of a signal row with the given gains: diag(g) v on the joint side, T' diag(g) v on the motor
 // side. signal: N x n; returns N x n.
 Eigen::MatrixXd JointTorque(const Study& study, const Eigen::VectorXd& gains, const Eigen::MatrixXd& signal);
 

@@ -96,7 +96,7 @@ Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
   data.num_base = prepared.num_columns();
   if (study.gains_mode == GainsMode::kIdentify) {
     if (Status status = CheckGainStudy(prepared.study); !status.ok()) return status;
-    data.unknowns = GainParameters(data.dof);
+    data.unknowns = GainParameters(study.robot, study.signal_side);
   } else {
     data.known_gains = study.gains;
   }

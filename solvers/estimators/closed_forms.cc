@@ -48,8 +48,8 @@ VectorXd APrioriSigma(const Study& study) {
   return (TorqueOfSignal(study, study.gains).cwiseAbs2() * study.signal_noise.cwiseAbs2()).cwiseSqrt();
 }
 
-// n x columns: the same for each column of a GainSystem, of which the signals' alone are noisy. Again only ratios
-// count.
+// n x columns: the same for each column of a GainSystem, of which the signals' alone are noisy.
+// Again only ratios count.
 MatrixXd APrioriColumnNoise(const Study& study, size_t columns) {
   if (study.signal_noise.size() == 0) return MatrixXd();
   const int n = study.robot.dof();
@@ -102,7 +102,7 @@ Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSy
   const Study& study = prepared.study;
   if (Status status = CheckValidationPayloads(study); !status.ok()) return status;
   const int n = study.robot.dof();
-  std::vector<Parameter> unknowns = GainParameters(n);
+  std::vector<Parameter> unknowns = GainParameters(study.robot, study.signal_side);
   const std::vector<Parameter> of_model = prepared.parameters();
   unknowns.insert(unknowns.end(), of_model.begin(), of_model.end());
   const PayloadColumns columns = AppendPayloadUnknowns(study, &unknowns);

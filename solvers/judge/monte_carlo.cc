@@ -50,7 +50,7 @@ std::vector<TrueParameter> TrueParameters(const PreparedStudy& prepared, const A
   std::vector<Parameter> names;
   std::vector<double> values;
   if (study.gains_mode == GainsMode::kIdentify) {
-    names = GainParameters(study.robot.dof());
+    names = GainParameters(study.robot, study.signal_side);
     values.assign(arm.gains.data(), arm.gains.data() + arm.gains.size());
   }
   const std::vector<Parameter> of_model = prepared.parameters();

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/model/payload_unknowns.h"
+#include "core/robot/joint_units.h"
 
 namespace idim {
 namespace {
@@ -57,10 +58,12 @@ void GainSystem::Merge(const GainSystem& other) {
   }
 }
 
-std::vector<Parameter> GainParameters(int dof) {
+std::vector<Parameter> GainParameters(const Robot& robot, Side signal_side) {
   std::vector<Parameter> gains;
-  for (int j = 1; j <= dof; ++j) {
-    gains.push_back({"g" + std::to_string(j), ParameterKind::kDriveGain, j, "N.m per signal unit"});
+  for (int j = 1; j <= robot.dof(); ++j) {
+    const JointType driven = signal_side == Side::kMotor ? JointType::kRevolute : robot.joints[j - 1].type;
+    gains.push_back(
+        {"g" + std::to_string(j), ParameterKind::kDriveGain, j, UnitsOf(driven).torque + " per signal unit"});
   }
   return gains;
 }
@@ -96,7 +99,7 @@ Result<GainSystem> BuildGainSystem(const PreparedStudy& prepared) {
 Result<GainRows> GainRows::Create(const PreparedStudy& prepared) {
   if (Status status = CheckGainStudy(prepared.study); !status.ok()) return status;
   GainRows rows(prepared);
-  rows.unknowns_ = GainParameters(prepared.study.robot.dof());
+  rows.unknowns_ = GainParameters(prepared.study.robot, prepared.study.signal_side);
   const std::vector<Parameter> of_model = prepared.parameters();
   rows.unknowns_.insert(rows.unknowns_.end(), of_model.begin(), of_model.end());
   rows.payload_columns_ = AppendPayloadUnknowns(prepared.study, &rows.unknowns_);

@@ -22,13 +22,15 @@
 #include "core/dynamics/parameters.h"
 #include "core/model/observation_stream.h"
 #include "core/model/prepared_study.h"
+#include "core/recording/study.h"
+#include "core/robot/robot.h"
 #include "core/statistics/triangular_factor.h"
 
 namespace idim {
 
 struct GainSystem {
   std::vector<Parameter> unknowns;
-  std::vector<TriangularFactor> joints;  // one a joint; columns: unknowns, then the known torque, [N m] or [N] a row
+  std::vector<TriangularFactor> joints;  // one a joint; columns: unknowns, then the known torque, [N.m or N] a row
   // The rows of loaded recordings again, for the verdicts on gains: columns g1..gn, the known payload's torque, and
   // what of that is gravity (taken at the decimated positions).
   std::vector<TriangularFactor> loads;
@@ -44,8 +46,8 @@ struct GainSystem {
   void Merge(const GainSystem& other);
 };
 
-// g1..gn.
-std::vector<Parameter> GainParameters(int dof);
+// g1..gn. On the motor side a gain makes the torque of a motor, which turns whatever its joint does.
+std::vector<Parameter> GainParameters(const Robot& robot, Side signal_side);
 
 // The rows of W_tot, one decimated sample after the other.
 class GainRows {

@@ -84,6 +84,8 @@ Status Run(const std::string& study_path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return idim::RunProgram(argc, argv, "idim_identify", "STUDY", "dynamic parameters with their uncertainty", &Run,
-                          &FLAGS_output);
+  const idim::ProgramUsage usage = {
+      "idim_identify", {"STUDY"}, {"--output=DIR"}, "dynamic parameters with their uncertainty"};
+  return idim::RunProgram(argc, argv, usage,
+                          [](const std::vector<std::string>& arguments) { return Run(arguments[0]); });
 }

@@ -19,9 +19,6 @@ namespace {
 using idim::Status;
 
 Status Run(const std::string& study_path) {
-  if (FLAGS_estimate.empty()) {
-    return Status::BadInput("--estimate: nothing to judge; expected one or more estimate.json files, comma-separated");
-  }
   const idim::Result<std::vector<idim::Reference>> estimates = idim::ReadReferences(FLAGS_estimate);
   if (!estimates.ok()) return estimates.status();
   const idim::Result<idim::Study> study = idim::ReadStudy(study_path);
@@ -49,6 +46,10 @@ Status Run(const std::string& study_path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return idim::RunProgram(argc, argv, "idim_validate", "STUDY", "estimates judged on recordings they have not seen",
-                          &Run, &FLAGS_output);
+  const idim::ProgramUsage usage = {"idim_validate",
+                                    {"STUDY"},
+                                    {"--estimate=FILE.json,...", "--output=DIR"},
+                                    "estimates judged on recordings they have not seen"};
+  return idim::RunProgram(argc, argv, usage,
+                          [](const std::vector<std::string>& arguments) { return Run(arguments[0]); });
 }

@@ -84,6 +84,8 @@ Status Run(const std::string& study_path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return idim::RunProgram(argc, argv, "idim_close_loop", "STUDY", "the effects that the declared model lacks", &Run,
-                          &FLAGS_output);
+  const idim::ProgramUsage usage = {
+      "idim_close_loop", {"STUDY"}, {"--output=DIR"}, "the effects that the declared model lacks"};
+  return idim::RunProgram(argc, argv, usage,
+                          [](const std::vector<std::string>& arguments) { return Run(arguments[0]); });
 }

@@ -129,6 +129,8 @@ Status Run(const std::string& study_path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return idim::RunProgram(argc, argv, "idim_compare", "STUDY", "all estimators on the same data, side by side", &Run,
-                          &FLAGS_output);
+  const idim::ProgramUsage usage = {
+      "idim_compare", {"STUDY"}, {"--output=DIR"}, "all estimators on the same data, side by side"};
+  return idim::RunProgram(argc, argv, usage,
+                          [](const std::vector<std::string>& arguments) { return Run(arguments[0]); });
 }

@@ -11,6 +11,7 @@
 #include "core/base/file.h"
 #include "core/estimate/estimate_json.h"
 #include "core/estimate/reference.h"
+#include "core/robot/joint_units.h"
 #include "solvers/estimators/estimators.h"
 #include "solvers/loop/declared_effects.h"
 
@@ -66,12 +67,13 @@ Status Run(const std::string& study_path) {
     return written.ok() ? estimate.status : written;
   }
   const Status written = idim::WriteFiles(
-      FLAGS_output, {{"estimate.json", idim::EstimateToJson(estimate)},
-                     {"residuals.csv", idim::ResidualsToCsv(identification->series)},
-                     {"report.html", idim::RenderIdentificationReport(estimate, identification->series, *references)}});
+      FLAGS_output,
+      {{"estimate.json", idim::EstimateToJson(estimate)},
+       {"residuals.csv", idim::ResidualsToCsv(identification->series)},
+       {"report.html", idim::RenderIdentificationReport(study->robot, estimate, identification->series, *references)}});
   if (!written.ok()) return written;
   progress.Clear();
-  std::cout << idim::EstimateToText(estimate);
+  std::cout << idim::EstimateToText(estimate, idim::TorqueUnits(study->robot));
   for (const idim::Reference& reference : *references) {
     std::cout << "\n" << idim::BesideReference(estimate, reference);
   }
@@ -82,6 +84,8 @@ Status Run(const std::string& study_path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return idim::RunProgram(argc, argv, "idim_identify", "STUDY", "dynamic parameters with their uncertainty", &Run,
-                          &FLAGS_output);
+  const idim::ProgramUsage usage = {
+      "idim_identify", {"STUDY"}, {"--output=DIR"}, "dynamic parameters with their uncertainty"};
+  return idim::RunProgram(argc, argv, usage,
+                          [](const std::vector<std::string>& arguments) { return Run(arguments[0]); });
 }

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <utility>
 
+#include "apps/program.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/robot/robot_reader.h"
@@ -66,15 +67,8 @@ idim::Status Run(const std::string& robot_path, const std::string& request_path)
 }  // namespace
 
 int main(int argc, char** argv) {
-  google::InitGoogleLogging(argv[0]);
-  gflags::SetUsageMessage("idim_plausible ROBOT REQUEST --output=DIR: standard parameters of a robot that could exist");
-  gflags::ParseCommandLineFlags(&argc, &argv, true);
-  if (argc != 3 || FLAGS_output.empty()) {
-    std::cerr << "idim_plausible: expected a robot, a request and --output, as in: idim_plausible robot.yaml "
-                 "base_parameters.yaml --output=DIR\n";
-    return 1;
-  }
-  const idim::Status status = Run(argv[1], argv[2]);
-  if (!status.ok()) std::cerr << status.message() << "\n";
-  return status.exit_code();
+  const idim::ProgramUsage usage = {
+      "idim_plausible", {"ROBOT", "REQUEST"}, {"--output=DIR"}, "standard parameters of a robot that could exist"};
+  return idim::RunProgram(argc, argv, usage,
+                          [](const std::vector<std::string>& arguments) { return Run(arguments[0], arguments[1]); });
 }

@@ -25,6 +25,8 @@ idim::Status Run(const std::string& scenario_path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return idim::RunProgram(argc, argv, "idim_simulate", "SCENARIO", "recordings and a study with known truth", &Run,
-                          &FLAGS_output);
+  const idim::ProgramUsage usage = {
+      "idim_simulate", {"SCENARIO"}, {"--output=DIR"}, "recordings and a study with known truth"};
+  return idim::RunProgram(argc, argv, usage,
+                          [](const std::vector<std::string>& arguments) { return Run(arguments[0]); });
 }

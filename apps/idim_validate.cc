@@ -19,9 +19,6 @@ namespace {
 using idim::Status;
 
 Status Run(const std::string& study_path) {
-  if (FLAGS_estimate.empty()) {
-    return Status::BadInput("--estimate: nothing to judge; expected one or more estimate.json files, comma-separated");
-  }
   const idim::Result<std::vector<idim::Reference>> estimates = idim::ReadReferences(FLAGS_estimate);
   if (!estimates.ok()) return estimates.status();
   const idim::Result<idim::Study> study = idim::ReadStudy(study_path);
@@ -38,7 +35,7 @@ Status Run(const std::string& study_path) {
   }
   const Status written =
       idim::WriteFiles(FLAGS_output, {{"validation.json", idim::ValidationToJson(study->robot.name, validations)},
-                                      {"report.html", idim::RenderValidationReport(study->robot.name, validations)}});
+                                      {"report.html", idim::RenderValidationReport(study->robot, validations)}});
   if (!written.ok()) return written;
   progress.Clear();
   std::cout << idim::ValidationToText(validations);
@@ -49,6 +46,10 @@ Status Run(const std::string& study_path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return idim::RunProgram(argc, argv, "idim_validate", "STUDY", "estimates judged on recordings they have not seen",
-                          &Run, &FLAGS_output);
+  const idim::ProgramUsage usage = {"idim_validate",
+                                    {"STUDY"},
+                                    {"--estimate=FILE.json,...", "--output=DIR"},
+                                    "estimates judged on recordings they have not seen"};
+  return idim::RunProgram(argc, argv, usage,
+                          [](const std::vector<std::string>& arguments) { return Run(arguments[0]); });
 }

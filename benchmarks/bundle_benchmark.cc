@@ -31,6 +31,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/program.h"
 #include "core/robot/robot_reader.h"
 #include "solvers/bundle/bundle.h"
 
@@ -382,8 +383,11 @@ void Solve() {
 
 int main(int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
-  gflags::SetUsageMessage("the errors-in-variables bundle: seconds, bytes and estimates of one solver");
-  gflags::ParseCommandLineFlags(&argc, &argv, true);
+  idim::ParseFlags({"bundle_benchmark",
+                    {},
+                    {"--data=DIR", "(--write | --result=FILE.json)"},
+                    "the errors-in-variables bundle: seconds, bytes and estimates of one solver"},
+                   &argc, &argv);
   const bool solver = FLAGS_solver == "closed" || FLAGS_solver == "ceres";
   if (FLAGS_data.empty() || FLAGS_samples < 100 || !(FLAGS_joint_noise > 0.0) || !solver ||
       (!FLAGS_write && FLAGS_result.empty())) {

@@ -89,8 +89,8 @@ void BM_Regressor(benchmark::State& state) {
 }
 BENCHMARK(BM_Regressor);
 
-// Errors of the derivatives: along a random direction, against central differences of step 1e-5, which are good to
-// 1e-9.
+// Errors of the derivatives: along a random direction, against central differences of step 1e-5,
+// which are good to 1e-9.
 void BM_InverseDynamicsDerivatives(benchmark::State& state) {
   Fixture f;
   idim::RigidBodyDerivatives derivatives(f.robot);

@@ -23,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/program.h"
 #include "core/statistics/triangular_factor.h"
 
 DEFINE_int32(rows, 1000000, "rows of W");
@@ -416,8 +417,7 @@ void SetPeerUp(char** argv) {
 int main(int argc, char** argv) {
   SetPeerUp(argv);
   google::InitGoogleLogging(argv[0]);
-  gflags::SetUsageMessage("times TriangularFactor beside LAPACK");
-  gflags::ParseCommandLineFlags(&argc, &argv, true);
+  idim::ParseFlags({"tsqr_benchmark", {}, {}, "times TriangularFactor beside LAPACK"}, &argc, &argv);
   if (FLAGS_columns < 2 || FLAGS_columns > kMaxColumns || FLAGS_rows < FLAGS_columns || FLAGS_repetitions < 1) {
     std::fprintf(stderr, "expected 2 <= columns <= %d, rows >= columns, repetitions >= 1\n", kMaxColumns);
     return 1;

@@ -27,7 +27,7 @@ class TorqueResidual : public ceres::CostFunction {
  public:
   using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  // columns: n x (c + 1) [N m or N a unit]; derivatives: 3n of them, each n x (c + 1); signal, sigma: n [signal unit];
+  // columns: n x (c + 1) [N.m or N a unit]; derivatives: 3n of them, each n x (c + 1); signal, sigma: n [signal unit];
   // inverse_drive: M^-1, n x n.
   static ceres::CostFunction* Create(const RowMajorMatrix& columns, const std::vector<RowMajorMatrix>& derivatives,
                                      const Eigen::VectorXd& signal, const Eigen::VectorXd& sigma,

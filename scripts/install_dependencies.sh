@@ -3,13 +3,13 @@
 # and the plotting library of the reports by npm. Does nothing, quickly, where all of it is there.
 #
 #   scripts/install_dependencies.sh            to build the libraries, programs, tests and benchmarks
-#   scripts/install_dependencies.sh --tests    also the browser in which the tests open the reports
+#   scripts/install_dependencies.sh --tests    also the browser in which the tests open the reports, and Doxygen
 #   scripts/install_dependencies.sh --benchmarks   also ODRPACK, the peer of benchmarks/compare_bundle.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 packages=(
-  g++ cmake ninja-build git ca-certificates
+  g++ cmake ninja-build git ca-certificates python3
   libeigen3-dev libceres-dev libsuitesparse-dev libboost-dev   # linear algebra, least squares, statistics
   libyaml-cpp-dev nlohmann-json3-dev liburdfdom-dev libcsv-dev # files
   libgoogle-glog-dev libgflags-dev                             # checks and command lines
@@ -18,7 +18,7 @@ packages=(
 )
 case "${1-}" in
   "") ;;
-  --tests) packages+=(chromium) ;;
+  --tests) packages+=(chromium doxygen) ;;
   --benchmarks) packages+=(python3-scipy) ;;
   *) echo "usage: $0 [--tests | --benchmarks]" >&2; exit 1 ;;
 esac

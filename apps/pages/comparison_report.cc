@@ -117,6 +117,7 @@ Table ValueTable(const std::vector<Estimate>& estimates, const std::vector<Refer
   return table;
 }
 
+// The colour of a set is that of its place in the lists, whatever a figure leaves out.
 IntervalFigure Intervals(const std::vector<Estimate>& estimates, const std::vector<Reference>& references,
                          const std::vector<Parameter>& parameters) {
   IntervalFigure figure;
@@ -124,10 +125,10 @@ IntervalFigure Intervals(const std::vector<Estimate>& estimates, const std::vect
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto blank = [&] { return Eigen::VectorXd::Constant(count, nan).eval(); };
   for (const Parameter& p : parameters) figure.parameters.push_back(p.name);
-  for (const Estimate& e : estimates) {
+  for (size_t place = 0; place < estimates.size(); ++place) {
+    const Estimate& e = estimates[place];
     if (e.parameters.empty()) continue;
-    IntervalFigure::Estimates set{EstimatorTitle(e.estimator), blank(), blank(), blank(),
-                                  ColorOfSet(figure.sets.size())};
+    IntervalFigure::Estimates set{EstimatorTitle(e.estimator), blank(), blank(), blank(), ColorOfSet(place)};
     for (Eigen::Index k = 0; k < count; ++k) {
       const ParameterEstimate* p = e.Find(figure.parameters[k]);
       if (p == nullptr) continue;
@@ -137,8 +138,9 @@ IntervalFigure Intervals(const std::vector<Estimate>& estimates, const std::vect
     }
     figure.sets.push_back(std::move(set));
   }
-  for (const Reference& r : references) {
-    IntervalFigure::Estimates set{r.name, blank(), blank(), blank(), ColorOfSet(figure.sets.size())};
+  for (size_t place = 0; place < references.size(); ++place) {
+    const Reference& r = references[place];
+    IntervalFigure::Estimates set{r.name, blank(), blank(), blank(), ColorOfSet(estimates.size() + place)};
     for (Eigen::Index k = 0; k < count; ++k) {
       const Reference::Entry* entry = r.Find(figure.parameters[k]);
       if (entry != nullptr) set.value[k] = entry->value;
@@ -205,7 +207,8 @@ Section SingularValues(const std::vector<Estimate>& estimates) {
   Section section;
   section.title = "Singular values";
   FigureGrid grid;
-  for (const Estimate& e : estimates) {
+  for (size_t place = 0; place < estimates.size(); ++place) {
+    const Estimate& e = estimates[place];
     if (e.singular_values.size() == 0) continue;
     BarFigure figure;
     figure.title = EstimatorTitle(e.estimator) + ": the last should stand apart from the one before";
@@ -213,7 +216,7 @@ Section SingularValues(const std::vector<Estimate>& estimates) {
     figure.y_title = "log10 of the singular value";
     for (Eigen::Index k = 0; k < e.singular_values.size(); ++k) figure.categories.push_back(std::to_string(k + 1));
     const Eigen::VectorXd floored = e.singular_values.cwiseMax(1e-16 * e.singular_values[0]);
-    figure.sets.push_back({EstimatorTitle(e.estimator), floored.array().log10().matrix(), ColorOfSet(0)});
+    figure.sets.push_back({EstimatorTitle(e.estimator), floored.array().log10().matrix(), ColorOfSet(place)});
     grid.figures.emplace_back(std::move(figure));
   }
   if (!grid.figures.empty()) section.blocks.emplace_back(std::move(grid));
@@ -323,8 +326,8 @@ std::string RenderComparisonReport(const Comparison& comparison) {
   values.title = "Parameters";
   values.blocks.emplace_back(ValueTable(estimates, references, others));
   IntervalFigure figure = Intervals(estimates, references, others);
-  // Divided by the estimate that comes closest to the truth, not by the first: that is LS, which may be off by a
-  // factor.
+  // Divided by the estimate that comes closest to the truth, not by the first: that is LS,
+  // which may be off by a factor.
   size_t believed = 0, set = 0;
   bool trusted = false;
   for (const Estimate& e : estimates) {

@@ -7,6 +7,7 @@
 
 #include "core/base/text.h"
 #include "core/report/report.h"
+#include "core/robot/joint_units.h"
 
 namespace idim {
 namespace {
@@ -156,14 +157,14 @@ Section Parameters(const Estimate& e, const std::vector<Reference>& references) 
   return section;
 }
 
-Section Torques(const RecordingSeries& s) {
+Section Torques(const Robot& robot, const RecordingSeries& s) {
   Section section;
   section.title = "Torque in " + s.name + " (" + s.use + ")";
   FigureGrid grid;
   for (Eigen::Index j = 0; j < s.torque.cols(); ++j) {
     TimeFigure figure;
     figure.title = JointTitle(j);
-    figure.y_title = "torque [N m]";
+    figure.y_title = "torque [" + UnitsOf(robot, static_cast<int>(j)).torque + "]";
     figure.t = s.t;
     figure.traces = {{"measured", s.torque.col(j), SeriesColor::kMeasured},
                      {"model", s.model.col(j), SeriesColor::kModel}};
@@ -177,14 +178,14 @@ Section Torques(const RecordingSeries& s) {
   return section;
 }
 
-Section ResidualsOverTime(const RecordingSeries& s) {
+Section ResidualsOverTime(const Robot& robot, const RecordingSeries& s) {
   Section section;
   section.title = "Residual over time in " + s.name;
   FigureGrid grid;
   for (Eigen::Index j = 0; j < s.torque.cols(); ++j) {
     TimeFigure figure;
     figure.title = JointTitle(j);
-    figure.y_title = "residual [N m]";
+    figure.y_title = "residual [" + UnitsOf(robot, static_cast<int>(j)).torque + "]";
     figure.t = s.decimated_t;
     figure.traces = {{"residual", s.decimated_torque.col(j) - s.decimated_model.col(j), SeriesColor::kResidual}};
     figure.link = "residual " + s.name;
@@ -194,7 +195,7 @@ Section ResidualsOverTime(const RecordingSeries& s) {
   return section;
 }
 
-Section ResidualsOverVelocity(const std::vector<RecordingSeries>& series) {
+Section ResidualsOverVelocity(const Robot& robot, const std::vector<RecordingSeries>& series) {
   Section section;
   section.title = "Residual over velocity";
   FigureGrid grid;
@@ -202,8 +203,8 @@ Section ResidualsOverVelocity(const std::vector<RecordingSeries>& series) {
   for (Eigen::Index j = 0; j < n; ++j) {
     ScatterFigure figure;
     figure.title = JointTitle(j);
-    figure.x_title = "velocity [rad/s]";
-    figure.y_title = "residual [N m]";
+    figure.x_title = "velocity [" + UnitsOf(robot, static_cast<int>(j)).velocity + "]";
+    figure.y_title = "residual [" + UnitsOf(robot, static_cast<int>(j)).torque + "]";
     for (size_t k = 0; k < series.size(); ++k) {
       const RecordingSeries& s = series[k];
       figure.sets.push_back(
@@ -220,17 +221,18 @@ Section ResidualsOverVelocity(const std::vector<RecordingSeries>& series) {
 
 }  // namespace
 
-std::string RenderIdentificationReport(const Estimate& estimate, const std::vector<RecordingSeries>& series,
+std::string RenderIdentificationReport(const Robot& robot, const Estimate& estimate,
+                                       const std::vector<RecordingSeries>& series,
                                        const std::vector<Reference>& references) {
   Report report;
   report.title = estimate.robot;
   report.subtitle = "Dynamic parameters by " + EstimatorTitle(estimate.estimator);
   report.sections.push_back(Summary(estimate));
   if (!estimate.gain_diagnoses.empty()) report.sections.push_back(Gains(estimate));
-  for (const RecordingSeries& s : series) report.sections.push_back(Torques(s));
+  for (const RecordingSeries& s : series) report.sections.push_back(Torques(robot, s));
   report.sections.push_back(Parameters(estimate, references));
-  for (const RecordingSeries& s : series) report.sections.push_back(ResidualsOverTime(s));
-  report.sections.push_back(ResidualsOverVelocity(series));
+  for (const RecordingSeries& s : series) report.sections.push_back(ResidualsOverTime(robot, s));
+  report.sections.push_back(ResidualsOverVelocity(robot, series));
   return RenderReport(report);
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "apps/pages/loop_report.h"
+#include "core/robot/joint_units.h"
 #include "solvers/loop/effect_curves.h"
 
 namespace idim {
@@ -51,7 +52,7 @@ Section Residuals(const LoopResult& result, bool over_velocity) {
     const Units units = UnitsOf(result, j);
     ScatterFigure figure;
     figure.title = JointTitle(j);
-    figure.x_title = over_velocity ? "velocity [" + units.position + "/s]" : "position [" + units.position + "]";
+    figure.x_title = over_velocity ? "velocity [" + units.velocity + "]" : "position [" + units.position + "]";
     figure.y_title = "residual [" + units.torque + "]";
     const auto x = [&](const RecordingSeries& s) {
       return VectorXd(over_velocity ? s.decimated_dq.col(j) : s.decimated_q.col(j));
@@ -100,10 +101,10 @@ Section FrictionSection(const LoopResult& result) {
   FigureGrid grid;
   for (const EffectCurve& curve : EffectCurves(result)) {
     if (curve.over != EffectCurve::Over::kVelocity) continue;
-    const Units units = UnitsOf(result, curve.joint);
+    const JointUnits units = UnitsOf(result, curve.joint);
     ScatterFigure figure;
     figure.title = JointTitle(curve.joint) + ": " + Words(curve.effects);
-    figure.x_title = "velocity [" + units.position + "/s]";
+    figure.x_title = "velocity [" + units.velocity + "]";
     figure.y_title = "friction [" + units.torque + "]";
     figure.sets = {{"data", curve.abscissa, curve.data, SeriesColor::kResidual, {}, kDataSize},
                    {"declared model", curve.abscissa, curve.declared, kBefore, {}, kModelSize},
@@ -124,7 +125,7 @@ Section OtherEffectsSection(const LoopResult& result) {
   FigureGrid grid;
   for (const EffectCurve& curve : EffectCurves(result)) {
     if (curve.over == EffectCurve::Over::kVelocity) continue;
-    const Units units = UnitsOf(result, curve.joint);
+    const JointUnits units = UnitsOf(result, curve.joint);
     const bool over_position = curve.over == EffectCurve::Over::kPosition;
     ScatterFigure figure;
     figure.title = JointTitle(curve.joint) + ": " + Words(curve.effects);

@@ -9,6 +9,7 @@
 
 #include "core/base/text.h"
 #include "core/report/report.h"
+#include "core/robot/joint_units.h"
 
 namespace idim {
 namespace {
@@ -157,9 +158,9 @@ std::string ValidationToJson(const std::string& robot, const std::vector<Validat
   return json.dump(1) + "\n";
 }
 
-std::string RenderValidationReport(const std::string& robot, const std::vector<Validation>& validations) {
+std::string RenderValidationReport(const Robot& robot, const std::vector<Validation>& validations) {
   Report report;
-  report.title = robot;
+  report.title = robot.name;
   report.subtitle = "Estimates judged on recordings they have not seen";
   Section summary;
   summary.title = "Tables";
@@ -186,7 +187,7 @@ std::string RenderValidationReport(const std::string& robot, const std::vector<V
       for (Eigen::Index j = 0; j < s.torque.cols(); ++j) {
         TimeFigure figure;
         figure.title = "joint " + std::to_string(j + 1);
-        figure.y_title = "torque [N m]";
+        figure.y_title = "torque [" + UnitsOf(robot, static_cast<int>(j)).torque + "]";
         figure.t = s.decimated_t;
         figure.traces = {{"gains x signal", s.decimated_torque.col(j), SeriesColor::kMeasured},
                          {"model", s.decimated_model.col(j), SeriesColor::kModel}};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/robot/robot.h"
 #include "solvers/judge/validation.h"
 
 namespace idim {
@@ -21,7 +22,7 @@ std::string ValidationToText(const std::vector<Validation>& validations);
 std::string ValidationToJson(const std::string& robot, const std::vector<Validation>& validations);
 
 // One self-contained page. Deterministic.
-std::string RenderValidationReport(const std::string& robot, const std::vector<Validation>& validations);
+std::string RenderValidationReport(const Robot& robot, const std::vector<Validation>& validations);
 
 }  // namespace idim
 

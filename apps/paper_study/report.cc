@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "apps/paper_study/page.h"
+#include "core/robot/joint_units.h"
 
 namespace idim {
 
@@ -23,7 +24,7 @@ std::string RenderPaperReport(const PaperStudy& paper) {
   for (Eigen::Index j = 0; j < series.decimated_torque.cols(); ++j) {
     TimeFigure joint;
     joint.title = "joint " + std::to_string(j + 1);
-    joint.y_title = "torque [N m]";
+    joint.y_title = "torque [" + UnitsOf(paper.scenario.robot, static_cast<int>(j)).torque + "]";
     joint.t = series.decimated_t;
     joint.traces = {{"gain x signal", series.decimated_torque.col(j), SeriesColor::kMeasured},
                     {"model", series.decimated_model.col(j), SeriesColor::kModel}};
@@ -41,12 +42,11 @@ std::string RenderPaperReport(const PaperStudy& paper) {
   gains.scale = IntervalFigure::Scale::kRelativeToFirst;
   gains.vertical = true;
   const Eigen::VectorXd none = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
-  gains.sets.push_back({"truth", paper.scenario.gains, none, none, SeriesColor::kMeasured});
+  gains.sets.push_back({"truth", paper.scenario.gains, none, none, ColorOfSet(0)});
   for (int j = 0; j < n; ++j) gains.parameters.push_back("g" + std::to_string(j + 1));
-  constexpr SeriesColor kColors[] = {SeriesColor::kResidual, SeriesColor::kResidual, SeriesColor::kOrange,
-                                     SeriesColor::kTeal,     SeriesColor::kPurple,   SeriesColor::kModel};
   for (int c = kCase1; c < kNumPaperCases; ++c) {
-    IntervalFigure::Estimates set{paper.cases[c].name, paper.cases[c].validation.gains, none, none, kColors[c]};
+    IntervalFigure::Estimates set{paper.cases[c].name, paper.cases[c].validation.gains, none, none,
+                                  ColorOfSet(gains.sets.size())};
     for (const ParameterEstimate& p : paper.cases[c].estimate.parameters) {
       for (int j = 0; j < n; ++j) {
         if (p.parameter.name != gains.parameters[j]) continue;

@@ -23,7 +23,7 @@ Reference TruthOf(const Scenario& scenario, const BaseParameters& base) {
   Reference truth;
   truth.name = "truth";
   const int n = scenario.robot.dof();
-  const std::vector<Parameter> gains = GainParameters(n);
+  const std::vector<Parameter> gains = GainParameters(scenario.robot, scenario.truth.signal_side);
   for (int j = 0; j < n; ++j) truth.parameters.push_back({gains[j].name, scenario.gains[j], 0.0});
   const Eigen::VectorXd chi = base.projection() * scenario.chi;
   for (int k = 0; k < base.size(); ++k) truth.parameters.push_back({base.parameters()[k].name, chi[k], 0.0});

@@ -1,6 +1,6 @@
 // Why gains come out wrong: the same two recordings under other disturbances and motions, several draws of the noise
-// each, with the errors of the gains against the truth. All base parameters kept, so that no elimination blurs the
-// comparison.
+// each, with the errors of the gains against the truth. All base parameters kept,
+// so that no elimination blurs the comparison.
 
 #ifndef IDIM_APPS_PAPER_STUDY_VARIANTS_H_
 #define IDIM_APPS_PAPER_STUDY_VARIANTS_H_

@@ -32,6 +32,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/program.h"
 #include "core/base/text.h"
 #include "core/model/active_effects.h"
 #include "core/robot/inertia.h"
@@ -469,7 +470,7 @@ int Main() {
   if (FLAGS_cases < 1 || FLAGS_threads < 1 || FLAGS_joints < 2 || !(FLAGS_smallest > 0.0) ||
       !(FLAGS_largest >= FLAGS_smallest)) {
     std::fprintf(stderr, "cases and threads must be at least 1, joints 2, 0 < smallest <= largest\n");
-    return 2;
+    return 1;
   }
   std::vector<Case> cases(static_cast<size_t>(FLAGS_cases));
   std::vector<bool> done(cases.size(), false);
@@ -502,7 +503,8 @@ int Main() {
 
 int main(int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
-  gflags::SetUsageMessage("does the closed loop find what simulated arms have and the study does not declare?");
-  gflags::ParseCommandLineFlags(&argc, &argv, true);
+  idim::ParseFlags(
+      {"blind_trial", {}, {}, "does the closed loop find what simulated arms have and the study does not declare?"},
+      &argc, &argv);
   return idim::Main();
 }

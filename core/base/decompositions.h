@@ -1,8 +1,8 @@
 // Eigen's decompositions of a MatrixXd, compiled once, in decompositions.cc, instead of in every file that uses one:
 // a fifth to two thirds of those files' compile time. Included beside the Eigen header of the decomposition, and never
 // by an installed header, so that no program that uses the installed libraries is bound to them. What is not listed
-// here (other arguments of compute(), right-hand sides that are expressions) works too and is compiled where it is
-// used.
+// here (other arguments of compute(), right-hand sides that are expressions) works too and is compiled
+// where it is used.
 
 #ifndef IDIM_CORE_BASE_DECOMPOSITIONS_H_
 #define IDIM_CORE_BASE_DECOMPOSITIONS_H_

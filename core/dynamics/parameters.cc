@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include "core/robot/inertia.h"
+#include "core/robot/joint_units.h"
 
 namespace idim {
 
@@ -32,9 +33,10 @@ std::string StandardUnit(int standard_index, bool prismatic) {
   if (standard_index < kMX) return "kg.m^2";
   if (standard_index < kM) return "kg.m";
   if (standard_index == kM) return "kg";
-  if (standard_index == kIa) return prismatic ? "kg" : "kg.m^2";
-  if (standard_index == kFv) return prismatic ? "N.s/m" : "N.m.s/rad";
-  return prismatic ? "N" : "N.m";
+  const JointUnits units = UnitsOf(prismatic ? JointType::kPrismatic : JointType::kRevolute);
+  if (standard_index == kIa) return units.inertia;
+  if (standard_index == kFv) return units.damping;
+  return units.torque;
 }
 
 }  // namespace idim

@@ -32,7 +32,7 @@ class RigidBodyDerivatives {
 
   int dof() const { return static_cast<int>(joints_.size()); }
 
-  // state: 3n, (q, dq, ddq) of all joints; inertials: n; d: n x 3n, column-major, dtau/d(q, dq, ddq) [N m or N a unit],
+  // state: 3n, (q, dq, ddq) of all joints; inertials: n; d: n x 3n, column-major, dtau/d(q, dq, ddq) [N.m or N a unit],
   // joint side, without drive terms.
   void InverseDynamics(const double* state, const InertialVector* inertials, double* d);
 

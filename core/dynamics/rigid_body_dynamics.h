@@ -34,7 +34,7 @@ class RigidBodyDynamics {
 
   int dof() const { return static_cast<int>(joints_.size()); }
 
-  // q, dq, ddq: n; inertials: n; tau: n [N m or N], joint side, without drive terms.
+  // q, dq, ddq: n; inertials: n; tau: n [N.m or N], joint side, without drive terms.
   void InverseDynamics(const T* q, const T* dq, const T* ddq, const InertialVector* inertials, T* tau) {
     const int n = dof();
     Forward(q, dq, ddq);

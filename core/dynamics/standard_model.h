@@ -45,7 +45,7 @@ class StandardModel {
   const Robot& robot() const { return robot_; }
 
   // q, dq, ddq: n; velocity_sigma: n, standard deviations of dq (nullptr: all zero);
-  // w: n x columns(), row-major, [N m or N] a unit of each parameter.
+  // w: n x columns(), row-major, [N.m or N] a unit of each parameter.
   void Regressor(const double* q, const double* dq, const double* ddq, const double* velocity_sigma, double* w);
 
   // The columns of a body fixed to the last link, in its frame: n x 10 row-major. Call after Regressor(), of whose

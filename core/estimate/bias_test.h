@@ -1,5 +1,5 @@
-// Whether least squares is biased on the data: the Durbin-Wu-Hausman test as a result to print
-// (solvers/linear/exogeneity.h).
+// Whether least squares is biased on the data: the Durbin-Wu-Hausman test
+// as a result to print (solvers/linear/exogeneity.h).
 
 #ifndef IDIM_CORE_ESTIMATE_BIAS_TEST_H_
 #define IDIM_CORE_ESTIMATE_BIAS_TEST_H_

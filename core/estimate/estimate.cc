@@ -31,7 +31,7 @@ std::string EstimatorTitle(const std::string& estimator) {
   return title;
 }
 
-std::string EstimateToText(const Estimate& e) {
+std::string EstimateToText(const Estimate& e, const std::string& torque_units) {
   std::string text = e.robot + ", " + EstimatorTitle(e.estimator) + "\n" + e.preprocessing + "\n";
   if (!e.start.empty()) text += e.start + "\n";
   if (!e.uncertainty.empty()) text += e.uncertainty + "\n";
@@ -59,7 +59,8 @@ std::string EstimateToText(const Estimate& e) {
     for (const double error : r.relative_error_percent) text += Format(" %6.2f", error);
     text += Format("   all %.2f\n", r.relative_error_percent_all);
   }
-  text += "\n                                      RMS torque error against the unfiltered torque, N.m\n";
+  text +=
+      "\n                                      RMS torque error against the unfiltered torque, " + torque_units + "\n";
   for (const RecordingFit& r : e.recordings) {
     text += Format("%-14s %-14s        ", r.name.c_str(), r.use.c_str());
     for (const double error : r.rms_torque_unfiltered) text += Format(" %6.3f", error);

@@ -32,7 +32,7 @@ struct RecordingFit {
   int samples = 0;                         // decimated
   Eigen::VectorXd relative_error_percent;  // 100 |Y_j - W_j chi| / |Y_j|, decimated, as in the paper's Table VI
   double relative_error_percent_all = 0.0;
-  Eigen::VectorXd rms_torque;  // [N m or N] of the decimated residual
+  Eigen::VectorXd rms_torque;  // [N.m or N] of the decimated residual
   // Of the unfiltered torque less the model, at the recorded rate, between the first and last decimated instant.
   Eigen::VectorXd rms_torque_unfiltered;
   Eigen::VectorXd residual_lag1;  // autocorrelation of the decimated residual at lag 1: 0 if white
@@ -91,8 +91,9 @@ struct Estimate {
 // "IDIM-WLS" of "wls".
 std::string EstimatorTitle(const std::string& estimator);
 
-// The text of the console: the paper's Table I with intervals, then the errors a recording.
-std::string EstimateToText(const Estimate& estimate);
+// The text of the console: the paper's Table I with intervals, then the errors a recording; torque in `torque_units`
+// (TorqueUnits(), core/robot/joint_units.h).
+std::string EstimateToText(const Estimate& estimate, const std::string& torque_units);
 
 // value +- factor * t(0.975, degrees_of_freedom) * standard deviation.
 void SetInterval95(double degrees_of_freedom, ParameterEstimate* estimate, double factor = 1.0);

@@ -9,7 +9,7 @@
 
 namespace idim {
 
-// Joint side, [N m or N]; n columns.
+// Joint side, [N.m or N]; n columns.
 struct RecordingSeries {
   std::string name;
   std::string use;

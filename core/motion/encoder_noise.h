@@ -40,8 +40,8 @@ struct EncoderNoise {
 };
 
 // `states` as EstimateJointStates() made them. A joint whose position never changes by 8 steps has no residual to judge
-// by: it gets the floor, or, lacking a step too, the largest sigma of the other joints. BadInput: no joint moves at
-// all.
+// by: it gets the floor, or, lacking a step too, the largest sigma of the other joints. BadInput:
+// no joint moves at all.
 Result<EncoderNoise> EstimateEncoderNoise(const Recording& recording, const Preprocessing& preprocessing,
                                           const JointStates& states);
 

@@ -1,7 +1,7 @@
 // From a recording to joint states and the parallel decimator (paper II.C):
 //
-//   position -> zero-phase low-pass -> derivatives -> q, dq, ddq at the recorded instants -> [regressor columns] ->
-//   decimator
+//   position -> zero-phase low-pass -> derivatives -> q, dq, ddq at the recorded instants ->
+//   [regressor columns] -> decimator
 //
 // Uniform clock: forward-backward Butterworth (core/signal/butterworth.h), then central differences
 //   dq_k = (q_{k+1} - q_{k-1}) / 2h,    ddq_k = (q_{k+1} - 2 q_k + q_{k-1}) / h^2.

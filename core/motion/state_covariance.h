@@ -33,8 +33,8 @@ namespace idim {
 
 class StateCovariance {
  public:
-  // `decimator` as MakeDecimator() made it from the same instants t and preprocessing. BadInput as
-  // EstimateJointStates().
+  // `decimator` as MakeDecimator() made it from the same instants t and preprocessing.
+  // BadInput as EstimateJointStates().
   static Result<StateCovariance> Create(const Eigen::VectorXd& t, const Preprocessing& preprocessing,
                                         const Decimator& decimator);
 

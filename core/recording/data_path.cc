@@ -15,10 +15,10 @@ std::vector<std::string> DataPathCandidates(const std::string& study_path, const
   if (data_dir != nullptr && *data_dir != '\0') candidates.push_back(ResolvePath(data_dir, file));
   std::error_code error;
   const fs::path study = fs::absolute(study_path, error).lexically_normal();
-  for (fs::path folder = study.parent_path(); !folder.empty(); folder = folder.parent_path()) {
+  // What lies in the file system's root is not the user's.
+  for (fs::path folder = study.parent_path(); folder.has_relative_path(); folder = folder.parent_path()) {
     candidates.push_back(ResolvePath((folder / "recordings").string(), file));
     candidates.push_back(ResolvePath((folder / "shared/datasets").string(), file));
-    if (folder == folder.root_path()) break;
   }
   return candidates;
 }

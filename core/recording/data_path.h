@@ -9,8 +9,8 @@
 namespace idim {
 
 // The places of a file named in a study, in the order in which they are tried: beside the study; in $IDIM_DATA_DIR;
-// then, from the folder of the study upwards, in `recordings/` and `shared/datasets/` of each folder. An absolute
-// path has one place only.
+// then, from the folder of the study upwards, in `recordings/` and `shared/datasets/` of each folder below the file
+// system's root. An absolute path has one place only.
 std::vector<std::string> DataPathCandidates(const std::string& study_path, const std::string& file);
 
 // The first candidate that is a regular file; "" if none is.

@@ -16,7 +16,7 @@ struct Recording {
   // Joint velocities and accelerations where the controller logged them; else 0 x 0.
   Eigen::MatrixXd logged_dq;
   Eigen::MatrixXd logged_ddq;
-  bool signal_is_torque = false;  // the file has tau1.. in place of v1..: `signal` is joint torque [N m], gains are 1
+  bool signal_is_torque = false;  // the file has tau1.. in place of v1..: `signal` is joint torque [N.m], gains are 1
 
   int samples() const { return static_cast<int>(t.size()); }
   int dof() const { return static_cast<int>(q.cols()); }

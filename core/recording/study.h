@@ -58,8 +58,8 @@ struct RecordingEntry {
   std::optional<std::pair<int, int>> rows;
 };
 
-// A start value for a shape parameter. Names and limits depend on the motion: solvers/loop/declared_effects.h checks
-// them.
+// A start value for a shape parameter. Names and limits depend on the motion:
+// solvers/loop/declared_effects.h checks them.
 struct DeclaredShape {
   std::string name;
   double value = 0.0;
@@ -88,7 +88,7 @@ struct Study {
   std::vector<RecordingEntry> recordings;
   std::vector<Payload> payloads;
   GainsMode gains_mode = GainsMode::kKnown;
-  // n, [N m per signal unit]. Known mode: exact (default 1). Identify mode: a priori values or empty.
+  // n, [N.m or N per signal unit]. Known mode: exact (default 1). Identify mode: a priori values or empty.
   Eigen::VectorXd gains;
   std::vector<Prior> priors;
   FrictionModel friction;

@@ -233,7 +233,7 @@ class StudyReader {
       study_.gains.resize(0);
     }
     if (!node["values"].IsDefined()) return;
-    study_.gains = file_.Numbers(node["values"], "gains.values", n_, "N m per signal unit, one a joint");
+    study_.gains = file_.Numbers(node["values"], "gains.values", n_, "N.m (or N) per signal unit, one a joint");
     if (file_.ok() && (study_.gains.array() == 0.0).any()) {
       file_.Fail(node["values"], "gains.values", "a gain is 0", "gains other than 0");
     }

@@ -1,30 +1,21 @@
 // The figures of a report as data: what is drawn, in which unit, in which colour. How it is drawn is report.js.
 //
-// Vectors of one figure that must agree in length are CHECKed. A value that is not finite is a gap, never a point.
+// Vectors of one figure that must agree in length, and its colours, which must differ, are CHECKed. A value that is not
+// finite is a gap, never a point.
 
 #ifndef IDIM_CORE_REPORT_FIGURE_H_
 #define IDIM_CORE_REPORT_FIGURE_H_
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "core/report/color.h"
+
 namespace idim {
-
-// Colours by meaning, so that a curve looks the same in every figure of every report. Measured red and model blue are
-// those of Fig. 2 of Gautier & Briot (2014), in tones that stay apart for the colour-blind (Tol's vibrant scheme).
-enum class SeriesColor { kMeasured, kModel, kResidual, kOrange, kTeal, kPurple, kCyan };
-
-// For what is compared side by side: the k-th of a set of colours that stay apart, from the start again after seven.
-inline SeriesColor ColorOfSet(std::size_t k) {
-  constexpr SeriesColor kColors[] = {SeriesColor::kModel, SeriesColor::kMeasured, SeriesColor::kOrange,
-                                     SeriesColor::kTeal,  SeriesColor::kPurple,   SeriesColor::kResidual};
-  return kColors[k % (sizeof(kColors) / sizeof(kColors[0]))];
-}
 
 // Traces over time, fast with 1e5 samples: the screen shows minimum and maximum of what falls on a pixel, every sample
 // once zoomed in.
@@ -35,7 +26,7 @@ struct TimeFigure {
     SeriesColor color = SeriesColor::kMeasured;
   };
   std::string title;
-  std::string y_title;  // quantity and unit: "torque [N m]"
+  std::string y_title;  // quantity and unit: "torque [N.m]"
   Eigen::VectorXd t;    // N [s], increasing
   std::vector<Trace> traces;
   // Figures of one report with the same link share their time range and zoom together; empty: alone.

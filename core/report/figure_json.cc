@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -59,27 +61,6 @@ std::string LittleEndianBytes(const Eigen::VectorXd& values) {
   return bytes;
 }
 
-const char* ColorName(SeriesColor color) {
-  switch (color) {
-    case SeriesColor::kMeasured:
-      return "measured";
-    case SeriesColor::kModel:
-      return "model";
-    case SeriesColor::kResidual:
-      return "residual";
-    case SeriesColor::kOrange:
-      return "orange";
-    case SeriesColor::kTeal:
-      return "teal";
-    case SeriesColor::kPurple:
-      return "purple";
-    case SeriesColor::kCyan:
-      return "cyan";
-  }
-  LOG(FATAL) << "unknown series colour";
-  return "";
-}
-
 // JSON has no NaN: null, which report.js takes for "not there".
 json Numbers(const Eigen::VectorXd& values) {
   json array = json::array();
@@ -123,7 +104,7 @@ class Converter {
     for (const TimeFigure::Trace& trace : figure.traces) {
       CHECK_EQ(trace.value.size(), figure.t.size()) << figure.title << ": " << trace.name;
       series.push_back(
-          {{"name", trace.name}, {"color", ColorName(trace.color)}, {"samples", pool_.AddSingle(trace.value)}});
+          {{"name", trace.name}, {"color", ColorHex(trace.color)}, {"samples", pool_.AddSingle(trace.value)}});
     }
     return {figure.title,
             kPlotHeight,
@@ -135,7 +116,7 @@ class Converter {
     for (const ScatterFigure::Points& set : figure.sets) {
       CHECK_EQ(set.x.size(), set.y.size()) << figure.title << ": " << set.name;
       series.push_back({{"name", set.name},
-                        {"color", ColorName(set.color)},
+                        {"color", ColorHex(set.color)},
                         {"x", pool_.AddSingle(set.x)},
                         {"y", pool_.AddSingle(set.y)}});
       if (set.size_px > 0.0) series.back()["size"] = set.size_px;
@@ -168,7 +149,7 @@ class Converter {
       CHECK_EQ(set.upper.size(), rows) << figure.title << ": " << set.name;
       if (series.empty() && figure.scale == IntervalFigure::Scale::kRelativeToFirst) unit = set.value;
       series.push_back({{"name", set.name},
-                        {"color", ColorName(set.color)},
+                        {"color", ColorHex(set.color)},
                         {"value", Numbers(set.value)},
                         {"lower", Numbers(set.lower)},
                         {"upper", Numbers(set.upper)}});
@@ -190,7 +171,7 @@ class Converter {
     json series = json::array();
     for (const BarFigure::Bars& set : figure.sets) {
       CHECK_EQ(set.value.size(), static_cast<Eigen::Index>(figure.categories.size())) << figure.title;
-      series.push_back({{"name", set.name}, {"color", ColorName(set.color)}, {"value", Numbers(set.value)}});
+      series.push_back({{"name", set.name}, {"color", ColorHex(set.color)}, {"value", Numbers(set.value)}});
     }
     return {figure.title,
             kPlotHeight,
@@ -219,7 +200,7 @@ class Converter {
       }
       if (count > 0) percent *= 100.0 / count;
       series.push_back({{"name", set.name},
-                        {"color", ColorName(set.color)},
+                        {"color", ColorHex(set.color)},
                         {"count", count},
                         {"beyond", count - inside},
                         {"percent", Numbers(percent)}});
@@ -256,6 +237,14 @@ int SamplePool::Add(Samples samples) {
   return known->second;
 }
 
-FigureJson ToJson(const Figure& figure, SamplePool* pool) { return std::visit(Converter(pool), figure); }
+FigureJson ToJson(const Figure& figure, SamplePool* pool) {
+  FigureJson json = std::visit(Converter(pool), figure);
+  std::set<std::string> colors;
+  for (const auto& series : json.spec.at("series")) {
+    CHECK(colors.insert(series.at("color")).second)
+        << json.title << ": " << series.at("name") << " has the colour of another";
+  }
+  return json;
+}
 
 }  // namespace idim

@@ -13,11 +13,6 @@ window.addEventListener('error', countError);
 window.addEventListener('unhandledrejection', countError);
 document.addEventListener('securitypolicyviolation', countError);
 
-// Tol's vibrant scheme, grey darkened.
-const colors = {
-  measured: '#cc3311', model: '#0077bb', residual: '#666b70', orange: '#ee7733', teal: '#009988', purple: '#882277',
-  cyan: '#33bbee',
-};
 const ink = '#1f2328';
 const fontFamily = getComputedStyle(document.body).fontFamily;
 
@@ -104,7 +99,7 @@ function base(spec, names = spec.series.map((s) => s.name)) {
   return {
     animation: false,
     textStyle: {fontFamily, color: ink, fontSize: 12},
-    color: spec.series.map((s) => colors[s.color]),
+    color: spec.series.map((s) => s.color),
     legend: {
       top: 0, left: 8, itemWidth: 14, itemHeight: 8, itemGap: 8, icon: spec.kind === 'time' ? 'roundRect' : undefined,
       textStyle: {color: ink, fontSize: 12}, data: names,
@@ -176,7 +171,7 @@ const options = {
     option.tooltip.formatter = (hits) => {
       const i = nearest(t, hits[0].axisValue);
       return tooltipTable(`t = ${t[i].toFixed(4)} s`,
-        spec.series.map((s, k) => [colors[s.color], s.name, number(values[k][i])]));
+        spec.series.map((s, k) => [s.color, s.name, number(values[k][i])]));
     };
     option.toolbox.feature = {
       dataZoom: {yAxisIndex: 'none', title: {zoom: 'zoom', back: 'back'}}, ...option.toolbox.feature};
@@ -322,7 +317,7 @@ const options = {
     option.tooltip.formatter = (hits) => {
       const i = Math.min(Math.max(Math.floor((hits[0].axisValue - spec.lower) / spec.width), 0), bins - 1);
       return tooltipTable(`${number(edge(i))} to ${number(edge(i + 1))}`,
-        spec.series.map((s) => [colors[s.color], s.name, number(s.percent[i]) + ' %']));
+        spec.series.map((s) => [s.color, s.name, number(s.percent[i]) + ' %']));
     };
     option.xAxis = valueAxis(spec.xTitle, {min: edge(0), max: edge(bins), splitLine: {show: false},
       axisLabel: {color: ink, fontSize: 12, hideOverlap: true, formatter: number, showMinLabel: false,
@@ -402,7 +397,7 @@ function seriesSeen(chart, spec) {
   const ratio = chart.getDevicePixelRatio();
   const box = [area.x * ratio + 2, area.y * ratio + 2, area.width * ratio - 4, area.height * ratio - 4];
   // Darkness by channel on white paper.
-  const targets = spec.series.map((s) => [1, 3, 5].map((i) => 255 - parseInt(colors[s.color].slice(i, i + 2), 16)));
+  const targets = spec.series.map((s) => [1, 3, 5].map((i) => 255 - parseInt(s.color.slice(i, i + 2), 16)));
   const isTarget = (r, g, b) => targets.some((target) => {
     const cosine = (r * target[0] + g * target[1] + b * target[2]) / (Math.hypot(r, g, b) * Math.hypot(...target));
     return cosine > 0.98 && Math.hypot(r, g, b) > 0.25 * Math.hypot(...target);

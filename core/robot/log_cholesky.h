@@ -1,6 +1,6 @@
 // Ten free numbers for a body that is always physically consistent (Rucker & Wensing, IEEE Robotics and Automation
-// Letters 7(2), 2022): the pseudo-inertia as P = B V V' B', with B a reference body's factor (B B' its pseudo-inertia)
-// and
+// Letters 7(2), 2022): the pseudo-inertia as P = B V V' B', with B a reference body's
+// factor (B B' its pseudo-inertia) and
 //        | exp(d1)  s12      s13      t1 |
 //   V = e^a | 0        exp(d2)  s23      t2 |     theta = (a, d1, d2, d3, s12, s23, s13, t1, t2, t3).
 //        | 0        0        exp(d3)  t3 |
@@ -27,8 +27,8 @@ inline Eigen::Matrix4d PseudoInertiaFactor(double mass, const Eigen::Vector3d& c
   return std::sqrt(mass) * factor;
 }
 
-// theta: 10; inertial: the ten parameters, in the order of StandardIndex. T: double or an automatic-differentiation
-// scalar.
+// theta: 10; inertial: the ten parameters, in the order of StandardIndex. T:
+// double or an automatic-differentiation scalar.
 template <typename T>
 void InertialFromLogCholesky(const Eigen::Matrix4d& reference, const T* theta, T* inertial) {
   using std::exp;

@@ -77,8 +77,8 @@ class Decimator {
   // The greatest number of outputs that are begun and not complete at a time.
   int max_open() const { return max_open_; }
 
-  // The window of an output that nothing cuts, 20 D + 1 taps of sum 1 about its centre. Uniform clock or D = 1 only
-  // (CHECK).
+  // The window of an output that nothing cuts, 20 D + 1 taps of sum 1 about its centre.
+  // Uniform clock or D = 1 only (CHECK).
   const std::vector<double>& Taps() const;
 
   // x: N x c columns at the recorded instants. Returns outputs() x c.

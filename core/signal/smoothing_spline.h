@@ -49,8 +49,8 @@ class SmoothingSpline {
   // y: N x c signals. Returns the K x c coefficients of their splines.
   Eigen::MatrixXd Fit(const Eigen::MatrixXd& y) const;
 
-  // The derivative (0 to 2 m - 2) of the splines at instants inside the recording: times.size() x c, [unit /
-  // s^derivative].
+  // The derivative (0 to 2 m - 2) of the splines at instants inside the recording: times.size() x c,
+  // [unit / s^derivative].
   Eigen::MatrixXd Evaluate(const Eigen::MatrixXd& coefficients, const Eigen::VectorXd& times, int derivative) const;
 
   // The 2 m basis functions that are not zero at `time`: values[i] of coefficient first + i.

@@ -93,7 +93,7 @@ Result<LaggedSystem> BuildLaggedSystem(const PreparedStudy& prepared, const Lagg
 ExogeneityTest TestJointExogeneity(const LaggedSystem& system, int joint,
                                    const ExogeneityOptions& options = ExogeneityOptions());
 
-// The equations of all joints, rows divided by row_sigma (n, [N m or N]; GainSummary::joint_sigma): whether the WLS of
+// The equations of all joints, rows divided by row_sigma (n, [N.m or N]; GainSummary::joint_sigma): whether the WLS of
 // all gains is biased, and what the instruments say that they are.
 ExogeneityTest TestAllExogeneity(const LaggedSystem& system, const Eigen::VectorXd& row_sigma,
                                  const ExogeneityOptions& options = ExogeneityOptions());

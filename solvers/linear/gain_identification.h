@@ -1,13 +1,12 @@
 // Global identification of drive gains, base and payload parameters (paper III): the estimators of W_tot x = rho.
 //
-//   kLs     eq. (15)-(16): the known payload's torque is the response, without error; all else a regressor without
-//   error.
+//   kLs     eq. (15)-(16): the known payload's torque is the response, without error;
+//           all else a regressor without error.
 //           Noise of the signals sits in regressors, so that gains come out too small ("cases 1, 2" of the paper).
 //   kTls    eq. (17)-(20): one noise for every entry of W_tot, structural zeros included ("cases 3, 4").
-//   kGtls   scaled TLS: a noise for each column, exact columns exact (solvers/linear/total_least_squares.h). By default
-//   only
-//           the signals are noisy, each by what its own joint's equations leave of it. The errors of two columns
-//           count as uncorrelated.
+//   kGtls   scaled TLS: a noise for each column, exact columns exact (solvers/linear/total_least_squares.h).
+//           By default only the signals are noisy, each by what its own joint's equations leave of it.
+//           The errors of two columns count as uncorrelated.
 //   kWls, kWtls, kWgtls   the same with the rows of each joint divided by a standard deviation of their own.
 //
 // Row weights. The paper divides by the deviation "of the joint's equations": for WLS from LS of that joint alone, for
@@ -18,7 +17,7 @@
 // TLS):
 //   sigma^j = |W_tot^j x| / (|x| sqrt(r_j (r - c) / r)),
 // whose squares, weighted by r_j, sum to the square of s_c / sqrt(r - c) over all joints. Only ratios of weights matter
-// to x; |x| is left out of joint_sigma, which is then in N m. Repeated `weight_iterations` times.
+// to x; |x| is left out of joint_sigma, which is then in N.m. Repeated `weight_iterations` times.
 //
 // Statistics: (9)-(11) for LS, (22)-(23) for TLS and its general form for GTLS. Essential parameters by elimination
 // (IV.B); gains are never eliminated.
@@ -80,7 +79,7 @@ struct GainSummary {
   Eigen::MatrixXd covariance;
   std::vector<std::string> eliminated;  // in order of elimination
 
-  Eigen::VectorXd joint_sigma;            // n [N m or N], what divided the rows; 1 without weights
+  Eigen::VectorXd joint_sigma;            // n [N.m or N], what divided the rows; 1 without weights
   double condition_number = -1.0;         // of W_r as recorded, kept columns
   double condition_number_solved = -1.0;  // of the matrix solved with: weighted rows
   double relative_residual = -1.0;        // |W_tot x| / |V g|, unweighted: the paper's |rho| / |Y|

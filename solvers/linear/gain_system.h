@@ -29,7 +29,7 @@ namespace idim {
 
 struct GainSystem {
   std::vector<Parameter> unknowns;
-  std::vector<TriangularFactor> joints;  // one a joint; columns: unknowns, then the known torque, [N m] or [N] a row
+  std::vector<TriangularFactor> joints;  // one a joint; columns: unknowns, then the known torque, [N.m or N] a row
   // The rows of loaded recordings again, for the verdicts on gains: columns g1..gn, the known payload's torque, and
   // what of that is gravity (taken at the decimated positions).
   std::vector<TriangularFactor> loads;

@@ -35,7 +35,7 @@ struct GainVerdict {
   double known_share = -1.0;
   double noise = -1.0;
   double reliability = -1.0;
-  double least_squares = 0.0;  // [N m per signal unit] the LS gain, -v'.k' / |v'|^2
+  double least_squares = 0.0;  // [N.m per signal unit] the LS gain, -v'.k' / |v'|^2
   double payload_torque_share = -1.0;
   double payload_gravity_share = -1.0;
   // kStrong: reliability of at least 2/3; kNone: below 1/5.
@@ -44,14 +44,14 @@ struct GainVerdict {
 };
 
 // What speaks against estimated gains, "; " between the reasons, empty if nothing: a sign that contradicts the a priori
-// value (n of them, or empty), a relative standard deviation above `max_percent`. covariance: its first n x n are the
-// gains'.
+// value (n of them, or empty), a relative standard deviation above `max_percent`. covariance:
+// its first n x n are the gains'.
 std::string ReasonsAgainstGains(const Eigen::VectorXd& gains, const Eigen::MatrixXd& covariance,
                                 const Eigen::VectorXd& a_priori, double max_percent);
 
 // Of the data alone, whatever estimator is used later: rows as recorded, torque shares with the gains of scaled TLS
-// with noise on the signals. The columns of the unknowns must be independent (DiagnoseRank) and none of the gains'
-// zero.
+// with noise on the signals. The columns of the unknowns must be independent (DiagnoseRank) and none
+// of the gains' zero.
 std::vector<GainVerdict> JudgeGains(const GainSystem& system, double rank_tolerance);
 
 }  // namespace idim

@@ -1,7 +1,7 @@
 // Linear algebra that every estimator of linear parameters shares: least squares from a factor, ranks, elimination.
 //
 // All of it takes the rows [A | b] through any matrix R with R'R = [A b]'[A b] (core/statistics/triangular_factor.h).
-// Columns are scaled to unit norm before they are compared or solved with: parameters come in kg m^2 and N m alike.
+// Columns are scaled to unit norm before they are compared or solved with: parameters come in kg m^2 and N.m alike.
 
 #ifndef IDIM_SOLVERS_LINEAR_LEAST_SQUARES_H_
 #define IDIM_SOLVERS_LINEAR_LEAST_SQUARES_H_

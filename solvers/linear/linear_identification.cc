@@ -27,7 +27,7 @@ double OwnSigma(const TriangularFactor& joint, double rank_tolerance) {
 bool LinearOptions::IsValid(std::string* error) const {
   if (!IsValidEssentialRatio(essential_ratio, error) || !IsValidRankTolerance(rank_tolerance, error)) return false;
   if (a_priori_sigma.size() > 0 && !(a_priori_sigma.array() > 0.0).all()) {
-    *error = "a_priori_sigma has an entry that is not positive; expected standard deviations in N m";
+    *error = "a_priori_sigma has an entry that is not positive; expected standard deviations in N.m or N";
     return false;
   }
   return true;

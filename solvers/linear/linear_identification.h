@@ -30,7 +30,7 @@ namespace idim {
 // One factor a joint of the rows [W | Y] of its equations.
 struct LinearSystem {
   std::vector<Parameter> unknowns;
-  std::vector<TriangularFactor> joints;  // columns: unknowns, then the torque [N m or N]
+  std::vector<TriangularFactor> joints;  // columns: unknowns, then the torque [N.m or N]
 
   explicit LinearSystem(std::vector<Parameter> unknowns_in, int dof)
       : unknowns(std::move(unknowns_in)), joints(dof, TriangularFactor(static_cast<int>(unknowns.size()) + 1)) {}
@@ -39,7 +39,7 @@ struct LinearSystem {
 struct LinearOptions {
   // Rows of each joint divided by their standard deviation (WLS) or left alone (LS).
   bool weighted = true;
-  // Standard deviations of the joints' rows [N m or N] where they are known a priori; empty: from the data.
+  // Standard deviations of the joints' rows [N.m or N] where they are known a priori; empty: from the data.
   Eigen::VectorXd a_priori_sigma;
   // r_sigma of the essential parameters: 0 keeps all, else > 1; the paper takes 10 to 30.
   double essential_ratio = 0.0;
@@ -58,7 +58,7 @@ struct LinearSummary {
   Eigen::MatrixXd covariance;
   std::vector<std::string> eliminated;  // in order of elimination
 
-  Eigen::VectorXd joint_sigma;            // n [N m or N]: a priori or of each joint's own LS residual
+  Eigen::VectorXd joint_sigma;            // n [N.m or N]: a priori or of each joint's own LS residual
   double condition_number = -1.0;         // of W as recorded, kept columns
   double condition_number_solved = -1.0;  // of the matrix solved with: weighted rows
   double sigma = -1.0;                    // eq. (9), of the rows solved with

@@ -1,5 +1,5 @@
-// Baseline: drive gains one joint at a time, from the equation of that joint alone (references [11], [12] of the
-// paper).
+// Baseline: drive gains one joint at a time, from the equation of that joint alone (references [11],
+// [12] of the paper).
 //
 // The paper says of them: gains are identified "for each actuated joint separately by using a known payload", "using
 // only data coming from the corresponding joint equation", "a sequential procedure which accumulates errors from step

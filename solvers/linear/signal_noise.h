@@ -13,8 +13,8 @@ namespace idim {
 // the column (signal unit times transmission ratio). For j = k it is what ordinary least squares leaves of the column
 // after all other columns of the equations of joint k alone, the known torque included. The signal is the response
 // there, so that its own noise biases nothing, and other joints have no part in it; errors of the other columns and of
-// the model count as noise of the signal. For j != k (signal on the motor side) the same noise through the
-// transmission.
+// the model count as noise of the signal. For j != k (signal on the motor side) the same
+// noise through the transmission.
 Eigen::MatrixXd SignalNoise(const GainSystem& system, double rank_tolerance);
 
 }  // namespace idim

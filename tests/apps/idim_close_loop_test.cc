@@ -200,8 +200,8 @@ TEST_F(IdimCloseLoop, ReportIsDrawnWholeInABrowser) {
   ASSERT_EQ(Run().exit_code, 0);
   const auto drawn = testing::OpenReport(*chromium, folder() / "out/report.html");
   ASSERT_TRUE(drawn.ok()) << drawn.status().message();
-  // Errors on two sets of data; ranking, friction curve, added parameters; velocity, position, time in three
-  // recordings.
+  // Errors on two sets of data; ranking, friction curve, added parameters; velocity, position,
+  // time in three recordings.
   EXPECT_GE(drawn->figures_expected, 2 + 3 + 5 * 3);
   EXPECT_TRUE(drawn->AllDrawn()) << drawn->figures_drawn << " of " << drawn->figures_expected << " drawn, "
                                  << drawn->script_errors << " errors";

@@ -205,10 +205,10 @@ TEST(EstimateToText, NamesItsEstimatorAndItsDoubts) {
   Estimate e = Example();
   e.estimator = "wtls";
   e.preprocessing = std::string(900, 'x') + " end";
-  EXPECT_THAT(EstimateToText(e), ::testing::AllOf(HasSubstr("IDIM-WTLS"), HasSubstr("x end\n")));
-  EXPECT_THAT(EstimateToText(e), ::testing::Not(HasSubstr("TRUSTED")));
+  EXPECT_THAT(EstimateToText(e, "N.m, N"), ::testing::AllOf(HasSubstr("IDIM-WTLS"), HasSubstr("x end\n")));
+  EXPECT_THAT(EstimateToText(e, "N.m, N"), ::testing::Not(HasSubstr("TRUSTED")));
   e.status = Status::Untrusted("g1 is weak");
-  EXPECT_THAT(EstimateToText(e), HasSubstr("NOT TO BE TRUSTED: g1 is weak"));
+  EXPECT_THAT(EstimateToText(e, "N.m, N"), HasSubstr("NOT TO BE TRUSTED: g1 is weak"));
 }
 
 }  // namespace

@@ -129,8 +129,8 @@ TEST(MonteCarlo, ParametersThatAreNotThere) {
 // 2000 draws of 5 correlated normal numbers about the truth, reported with their true covariance: mean NEES is
 // chi-square with 10000 degrees of freedom over 10000, standard deviation sqrt(2 / 10000) = 0.0141; 4.5 of them
 // (false alarm 7e-6) are 0.064, so a variance off by 10 % is found. Coverage: 10000 intervals, standard deviation
-// 0.0049 for one parameter's 2000; 4.5 of them 0.022. Bias: 4.5 / sqrt(2000) = 0.1 spreads. 5 parameters: below 1e-4 in
-// all.
+// 0.0049 for one parameter's 2000; 4.5 of them 0.022. Bias: 4.5 / sqrt(2000) = 0.1 spreads. 5 parameters:
+// below 1e-4 in all.
 TEST(MonteCarlo, ExactNormalDrawsAreFoundExact) {
   constexpr int kRuns = 2000, kSize = 5;
   Random random(4);

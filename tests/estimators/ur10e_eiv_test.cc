@@ -1,5 +1,5 @@
-// The errors-in-variables bundle on the real UR10e: gains repeat, and samples at rest or at velocity reversal do no
-// harm.
+// The errors-in-variables bundle on the real UR10e: gains repeat, and samples at rest or at velocity
+// reversal do no harm.
 
 #include <gtest/gtest.h>
 

@@ -97,8 +97,8 @@ struct Rows {
   }
 };
 
-// A synthetic system with every column in every joint but gains, noisy, so that formulas can be checked with dense
-// matrices.
+// A synthetic system with every column in every joint but gains, noisy,
+// so that formulas can be checked with dense matrices.
 struct Synthetic {
   Rows rows;
   GainSystem system;
@@ -108,7 +108,7 @@ Synthetic MakeSynthetic(double noise, unsigned seed, double last_parameter = 1.0
   const int n = 2, parameters = 4, samples = 300;
   std::mt19937_64 generator(seed);
   std::normal_distribution<double> normal;
-  std::vector<Parameter> unknowns = GainParameters(n);
+  std::vector<Parameter> unknowns = GainParameters(Robot{"", {}, std::vector<Joint>(n), {}, {}, {}}, Side::kJoint);
   for (int k = 0; k < parameters; ++k) unknowns.push_back({"p" + std::to_string(k), ParameterKind::kBase, 1, "N.m"});
   Synthetic synthetic{{}, GainSystem(unknowns, n)};
   const VectorXd chi{{0.7, -0.4, 1.1, 0.3}}, gains{{2.0, -0.5}};

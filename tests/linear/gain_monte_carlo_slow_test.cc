@@ -130,8 +130,8 @@ TEST(GainMonteCarlo, WhereEquation21HoldsTlsIsUnbiasedAndItsSpreadIsEquation23) 
 
 // Where (21) does not hold: noise on the signals only, 10 % of their rms, the paper's arm and gains, mass known. LS and
 // WLS shrink every gain by far more than they admit; TLS spreads the blame over columns that are exact, and (23) is
-// not its spread. Scaled TLS that is told which columns are noisy is right. 100 runs: a mean is known to 10 % of its
-// spread.
+// not its spread. Scaled TLS that is told which columns are noisy is right. 100 runs:
+// a mean is known to 10 % of its spread.
 TEST(GainMonteCarlo, NoiseOnSignalsOnly) {
   const Truth truth = MakeTruth(testing::Tx40Gains());
   std::mt19937_64 generator(21);

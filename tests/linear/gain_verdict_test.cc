@@ -25,8 +25,8 @@ GainSystem Build(const GainStudy& study) {
   return std::move(system).value();
 }
 
-// The paper's arm moving gently, its first axis upright, then the same arm on a wall: one motion, one noise, other
-// gravity.
+// The paper's arm moving gently, its first axis upright, then the same arm on a wall: one motion, one noise,
+// other gravity.
 std::vector<GainVerdict> Judge(const Eigen::Vector3d& gravity) {
   GainScenario scenario = testing::Tx40Gains();
   scenario.robot.gravity = gravity;

@@ -219,8 +219,8 @@ TEST_F(LoopReport, NothingFound) {
 
 // The friction that the report draws against the law that made the data, 1.5 dq + 2 sign(dq) - 0.2 + Fp |dq|^a. Noise
 // of the signal 0.05 x 11 N m, halved by decimation, over more than 100 samples a side: the mean of the data is right
-// to 0.03 N m, which 0.13 leaves five times over; a lost term of the friction, or one counted twice, is off by 0.2 or
-// more.
+// to 0.03 N m, which 0.13 leaves five times over; a lost term of the friction, or one counted twice,
+// is off by 0.2 or more.
 TEST_F(LoopReport, FrictionCurveIsTheLawBehindTheData) {
   const std::vector<EffectCurve> curves = EffectCurves(*result_);
   ASSERT_EQ(curves.size(), 1u);

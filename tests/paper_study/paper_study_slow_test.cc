@@ -107,8 +107,8 @@ TEST(PaperStudy, WithoutNoiseEveryEstimatorFindsTheGains) {
 }
 
 // Least squares loses a share of the gains that grows with the square of the noise; halving it divides a loss L by
-// about 4 (odds L / (1 - L) by exactly 4 for one gain alone). The least and the most that four draws show are far
-// inside.
+// about 4 (odds L / (1 - L) by exactly 4 for one gain alone). The least and the most that four draws
+// show are far inside.
 TEST(PaperStudy, LossOfLeastSquaresGrowsWithTheSquareOfTheNoise) {
   ASSERT_TRUE(Committed().ok());
   VariantOptions full, half;

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "core/effects/placed_effects.h"
+#include "core/recording/data_path.h"
 #include "core/recording/study.h"
 #include "tests/recording/study_fixture.h"
 
@@ -173,6 +174,11 @@ TEST(ReadStudy, RecordingsAreLookedForInDocumentedOrder) {
         root / "shared/datasets/arm/a.csv", std::string("scripts/fetch_recordings.sh")}) {
     EXPECT_THAT(nowhere.status().message(), HasSubstr(part));
   }
+
+  // Nothing is looked for in the root of the file system.
+  EXPECT_THAT(nowhere.status().message(), ::testing::Not(HasSubstr(" /recordings/")));
+  EXPECT_THAT(nowhere.status().message(), ::testing::Not(HasSubstr(" /shared/datasets/")));
+  EXPECT_EQ(DataPathCandidates("/study.yaml", "a.csv"), (std::vector<std::string>{"/a.csv", data / "a.csv"}));
 
   // From the last place to the first: each new one wins.
   for (const std::string& place : {root / "shared/datasets/arm/a.csv", root / "project/datasets/recordings/arm/a.csv",

@@ -54,14 +54,14 @@ inline Report DemoReport(int joints, int samples) {
       measured[k] = model[k] + (6.0 - 0.8 * j) * noise() + 0.8 * velocity[k];
     }
     torque.figures.push_back(TimeFigure{joint,
-                                        "torque [N m]",
+                                        "torque [N.m]",
                                         t,
                                         {{"measured", measured, SeriesColor::kMeasured},
                                          {"modelled", model, SeriesColor::kModel},
                                          {"residual", measured - model, SeriesColor::kResidual}},
                                         "recording"});
     scatter.figures.push_back(ScatterFigure{
-        joint, "velocity [rad/s]", "residual [N m]", {{"residual", velocity, measured - model, SeriesColor::kModel}}});
+        joint, "velocity [rad/s]", "residual [N.m]", {{"residual", velocity, measured - model, SeriesColor::kModel}}});
     error.categories.push_back(std::to_string(j + 1));
     error.sets[0].value[j] = 7.2 + 1.7 * j;
     error.sets[1].value[j] = 7.9 + 1.9 * j;
@@ -104,7 +104,7 @@ inline Report DemoReport(int joints, int samples) {
               {"published", published, none, none, SeriesColor::kOrange}};
   IntervalFigure gains;
   gains.title = "Drive gains";
-  gains.value_title = "gain [N m per signal unit]";
+  gains.value_title = "gain [N.m per signal unit]";
   gains.vertical = true;
   Eigen::VectorXd gain(joints);
   for (int j = 0; j < joints; ++j) {

@@ -60,7 +60,7 @@ Report OneFigure(const Figure& figure) {
 
 TimeFigure Ramp() {
   return {"ramp",
-          "torque [N m]",
+          "torque [N.m]",
           Eigen::VectorXd::LinSpaced(100, 0.0, 1.0),
           {{"measured", Eigen::VectorXd::LinSpaced(100, -1.0, 1.0), SeriesColor::kMeasured}},
           ""};

@@ -219,7 +219,7 @@ TEST(ReportTest, TablesAlignDecimalPoints) {
 TEST(ReportTest, IntervalsSayWhatTheyAreDividedBy) {
   IntervalFigure figure{"f", "v", {"a", "b"}, {}};
   figure.sets = {{"one", Eigen::Vector2d(-2, std::nan("")), Eigen::Vector2d(-3, 0), Eigen::Vector2d(-1, 1)},
-                 {"two", Eigen::Vector2d(-4, 1), Eigen::Vector2d(-5, 0), Eigen::Vector2d(-3, 2)}};
+                 {"two", Eigen::Vector2d(-4, 1), Eigen::Vector2d(-5, 0), Eigen::Vector2d(-3, 2), ColorOfSet(1)}};
   EXPECT_EQ(Specs(RenderFigure(figure)).at(0).at("unit"), nlohmann::json::parse("[1.0, 1.0]"));
   figure.scale = IntervalFigure::Scale::kRelativeToFirst;
   const nlohmann::json spec = Specs(RenderFigure(figure)).at(0);

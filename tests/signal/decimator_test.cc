@@ -17,8 +17,8 @@ Decimator Make(const Eigen::VectorXd& t, int decimation, double edge_outputs = 2
   return std::move(decimator).value();
 }
 
-// The taps of a windowed-sinc low-pass with cut-off at 1/D of the Nyquist frequency, as textbooks index them: 0 to 20
-// D.
+// The taps of a windowed-sinc low-pass with cut-off at 1/D of the Nyquist frequency, as textbooks index them:
+// 0 to 20 D.
 std::vector<double> Firwin(int d) {
   const int n = 20 * d + 1;
   std::vector<double> taps(n);

@@ -120,8 +120,8 @@ TEST(SmoothingSpline, MinimisesTheObjective) {
     const double data = (spacing.array() * residual.array() * spline.Evaluate(direction, t, 0).col(0).array()).sum();
     const Eigen::VectorXd products = curve.cwiseProduct(spline.Evaluate(direction, grid, order).col(0));
     const double penalty = lambda * h * (products.sum() - 0.5 * (products[0] + products[fine - 1]));
-    // The second derivative's third is piecewise quadratic: the trapezoidal rule on 40 000 steps errs by about 1e-6 of
-    // it.
+    // The second derivative's third is piecewise quadratic: the trapezoidal rule on 40 000 steps errs by
+    // about 1e-6 of it.
     const double size = lambda * h * products.cwiseAbs().sum() + 1e-12;
     EXPECT_NEAR(data, penalty, 1e-4 * size) << k;
     EXPECT_GT(size, 1e-9) << k;

@@ -3,8 +3,8 @@
 // has it).
 //
 // Faults that the suite is made for: a derivative of a wrong sign, a derivative dropped, a variance off by 10 %,
-// residuals in units of torque. Each test's false-alarm rate is 1e-4; what it can detect is said beside it. More runs:
-// IDIM_MONTE_CARLO_RUNS.
+// residuals in units of torque. Each test's false-alarm rate is 1e-4; what it can detect is said beside it.
+// More runs: IDIM_MONTE_CARLO_RUNS.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

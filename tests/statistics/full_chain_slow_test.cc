@@ -1,5 +1,5 @@
-// From noisy encoder samples through filter and decimation to the bundle: its errors over repeated noise. More runs:
-// IDIM_MONTE_CARLO_RUNS.
+// From noisy encoder samples through filter and decimation to the bundle: its errors over repeated noise.
+// More runs: IDIM_MONTE_CARLO_RUNS.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

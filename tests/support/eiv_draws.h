@@ -32,8 +32,8 @@
 
 namespace idim::testing {
 
-// The columns and the known torque of every sample, at its measured state and unfiltered. velocity_sigma: of that
-// state.
+// The columns and the known torque of every sample, at its measured state and unfiltered. velocity_sigma:
+// of that state.
 inline void EvaluateColumns(const BaseParameters& base, double velocity_sigma, BundleData* data) {
   const int n = data->dof;
   StandardModel model = base.model();
@@ -192,8 +192,8 @@ inline GainStudy ExactStudy(const Scenario& scenario) {
   return result;
 }
 
-// The same samples as the rows of W_tot (solvers/linear/gain_system.h), signals on the joint side. Not for verdicts on
-// gains.
+// The same samples as the rows of W_tot (solvers/linear/gain_system.h), signals on the joint side.
+// Not for verdicts on gains.
 inline GainSystem GainSystemOf(const BundleData& data) {
   const int n = data.dof;
   GainSystem system(data.unknowns.parameters(), n);

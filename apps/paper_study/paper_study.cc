@@ -1,5 +1,5 @@
-// The paper's study, whole: makes datasets/paper_study/README.md and the report with Fig. 2
-// (scripts/run_paper_study.sh).
+// The paper's study, whole: makes datasets/paper_study/README.md and the report
+// with Fig. 2 (scripts/run_paper_study.sh).
 
 #include <gflags/gflags.h>
 #include <glog/logging.h>
@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "apps/paper_study/page.h"
+#include "apps/program.h"
 #include "core/base/file.h"
 
 DEFINE_string(study, "datasets/paper_study",
@@ -44,14 +45,7 @@ Status Run() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  google::InitGoogleLogging(argv[0]);
-  gflags::SetUsageMessage("paper_study: the study of Gautier & Briot (2014) on simulated recordings");
-  gflags::ParseCommandLineFlags(&argc, &argv, true);
-  if (argc != 1) {
-    std::cerr << "paper_study: expected flags only, got '" << argv[1] << "'\n";
-    return 1;
-  }
-  const Status status = Run();
-  if (!status.ok()) std::cerr << "paper_study: " << status.message() << "\n";
-  return status.exit_code();
+  const idim::ProgramUsage usage = {
+      "paper_study", {}, {}, "the study of Gautier & Briot (2014) on simulated recordings"};
+  return idim::RunProgram(argc, argv, usage, [](const std::vector<std::string>&) { return Run(); });
 }

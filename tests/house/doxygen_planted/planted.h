@@ -1,0 +1,2 @@
+/// A comment that Doxygen obeys. \no_such_command
+struct Planted {};

@@ -16,12 +16,8 @@ using Eigen::VectorXd;
 // Data are seen behind the model that runs through them [px].
 constexpr double kDataSize = 4.0, kModelSize = 2.5;
 
-struct Units {
-  std::string torque, position;
-};
-Units UnitsOf(const LoopResult& result, Index joint) {
-  const bool prismatic = result.prepared.robot().joints[static_cast<size_t>(joint)].type == JointType::kPrismatic;
-  return prismatic ? Units{"N", "m"} : Units{"N m", "rad"};
+JointUnits UnitsOf(const LoopResult& result, Index joint) {
+  return UnitsOf(result.prepared.robot(), static_cast<int>(joint));
 }
 
 VectorXd Residual(const RecordingSeries& series, Index joint) {
@@ -49,7 +45,7 @@ Section Residuals(const LoopResult& result, bool over_velocity) {
   const auto& before = result.before.series;
   const auto& after = result.after.series;
   for (Index j = 0; j < result.prepared.robot().dof(); ++j) {
-    const Units units = UnitsOf(result, j);
+    const JointUnits units = UnitsOf(result, j);
     ScatterFigure figure;
     figure.title = JointTitle(j);
     figure.x_title = over_velocity ? "velocity [" + units.velocity + "]" : "position [" + units.position + "]";

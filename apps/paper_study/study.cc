@@ -33,15 +33,6 @@ Reference TruthOf(const Scenario& scenario, const BaseParameters& base) {
   return truth;
 }
 
-Reference ReferenceOf(const std::string& name, const Estimate& estimate) {
-  Reference reference;
-  reference.name = name;
-  for (const ParameterEstimate& p : estimate.parameters) {
-    reference.parameters.push_back({p.parameter.name, p.value, p.standard_deviation});
-  }
-  return reference;
-}
-
 Result<PaperCase> RunCase(const PaperStudy& paper, const Spec& spec, double r_sigma) {
   PaperCase result;
   result.name = spec.name;
@@ -58,7 +49,9 @@ Result<PaperCase> RunCase(const PaperStudy& paper, const Spec& spec, double r_si
   if (result.estimate.parameters.empty()) return result.estimate.status;
   PreparedStudy judge = AsTold(paper.prepared, paper.scenario, spec.told, false);
   if (spec.told == Told::kNothing) judge.model.gains_mode = GainsMode::kKnown;
-  Result<Validation> validation = Validate(judge, ReferenceOf(spec.name, result.estimate));
+  Reference reference = ReferenceOf(result.estimate);
+  reference.name = spec.name;
+  Result<Validation> validation = Validate(judge, reference);
   if (!validation.ok()) return validation.status();
   result.validation = std::move(validation).value();
   return result;

@@ -73,7 +73,7 @@ struct Estimate {
   Eigen::VectorXd singular_values;            // of W_tot, decreasing; total least squares only
   std::vector<RecordingFit> recordings;
   std::vector<EstimatedEffect> effects;
-  bool velocity_zero_at_rest = false;  // in the model's velocities (core/model/prepared_study.h)
+  bool velocity_zero_at_rest = false;  // in the model's velocities (core/model/data.h)
   double condition_number = -1.0;
   double condition_number_weighted = -1.0;
   double relative_error_percent = -1.0;  // of all identification recordings together, the paper's |rho| / |Y|

@@ -55,6 +55,19 @@ const Reference::Entry* Reference::Find(const std::string& parameter) const {
   return nullptr;
 }
 
+Reference ReferenceOf(const Estimate& estimate) {
+  Reference reference;
+  reference.name = estimate.estimator;
+  reference.robot = estimate.robot;
+  if (!estimate.status.ok()) reference.warning = estimate.status.message();
+  for (const ParameterEstimate& p : estimate.parameters) {
+    reference.parameters.push_back({p.parameter.name, p.value, p.standard_deviation});
+  }
+  reference.effects = estimate.effects;
+  reference.velocity_zero_at_rest = estimate.velocity_zero_at_rest;
+  return reference;
+}
+
 Result<Reference> ReadReference(const std::string& path) {
   Result<std::string> text = ReadFile(path);
   if (!text.ok()) return text.status();

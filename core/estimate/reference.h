@@ -29,6 +29,9 @@ struct Reference {
   const Entry* Find(const std::string& parameter) const;
 };
 
+// An estimate as a reference, named by its estimator.
+Reference ReferenceOf(const Estimate& estimate);
+
 // JSON in the format of estimate.json, of which "name" (else "estimator", else the file's), "robot", "status",
 // "message", "effects", "velocity_zero_at_rest", and of "parameters" "name", "value" and "standard_deviation" are read;
 // so an estimate.json is a reference itself. Refuses what is not, naming file and key.

@@ -1,7 +1,10 @@
 #include "core/model/model.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
+
+#include "core/recording/check_study.h"
 
 namespace idim {
 
@@ -25,6 +28,7 @@ Result<Model> MakeModel(const Study& study) {
   Model model;
   model.base_parameters = std::make_shared<const BaseParameters>(StandardModel(study.robot, study.friction));
   model.gains_mode = study.gains_mode;
+  model.signal_side = study.signal_side;
   model.gains = study.gains;
   model.payloads = study.payloads;
   for (const RecordingEntry& entry : study.recordings) model.roles.push_back({entry.use, entry.payload});
@@ -59,22 +63,35 @@ InertialVector KnownPayload(const Model& model, int payload) {
   return known;
 }
 
-Result<PreparedStudy> PrepareStudy(const Study& study) {
+Result<PreparedStudy> PrepareStudy(const Study& given) {
+  const Result<Study> study = CheckedStudy(given);
+  if (!study.ok()) return study.status();
   // Before the recordings are read: what is wrong in the study is said first.
-  if (const auto placed = PlaceDeclaredEffects(study); !placed.ok()) return placed.status();
+  if (const auto placed = PlaceDeclaredEffects(*study); !placed.ok()) return placed.status();
   std::vector<Recording> recordings;
-  for (const RecordingEntry& entry : study.recordings) {
-    Result<Recording> recording = ReadRecording(study, entry);
+  for (const RecordingEntry& entry : study->recordings) {
+    Result<Recording> recording = ReadRecording(*study, entry);
     if (!recording.ok()) return recording.status();
     recordings.push_back(std::move(recording).value());
   }
-  return PrepareStudy(study, std::move(recordings));
+  return PrepareStudy(*study, std::move(recordings));
 }
 
-Result<PreparedStudy> PrepareStudy(const Study& study, std::vector<Recording> recordings) {
-  Result<Model> model = MakeModel(study);
+Result<PreparedStudy> PrepareStudy(const Study& given, std::vector<Recording> recordings) {
+  const Result<Study> study = CheckedStudy(given);
+  if (!study.ok()) return study.status();
+  if (recordings.size() != study->recordings.size()) {
+    return Status::BadInput(study->path + ": " + std::to_string(recordings.size()) + " recordings for the " +
+                            std::to_string(study->recordings.size()) +
+                            " entries of the study; expected one an entry, in its order");
+  }
+  for (size_t k = 0; k < recordings.size(); ++k) {
+    if (recordings[k].name.empty()) recordings[k].name = study->recordings[k].name;
+    if (Status status = CheckRecording(*study, recordings[k]); !status.ok()) return status;
+  }
+  Result<Model> model = MakeModel(*study);
   if (!model.ok()) return model.status();
-  Result<std::shared_ptr<const Data>> data = MakeData(DataRequestOf(study), std::move(recordings));
+  Result<std::shared_ptr<const Data>> data = MakeData(DataRequestOf(*study), std::move(recordings));
   if (!data.ok()) return data.status();
   return PreparedStudy{*std::move(data), *std::move(model)};
 }

@@ -40,6 +40,7 @@ struct RecordingRole {
 struct Model {
   std::shared_ptr<const BaseParameters> base_parameters;
   GainsMode gains_mode = GainsMode::kKnown;
+  Side signal_side = Side::kJoint;
   Eigen::VectorXd gains;             // n [N m or N per signal unit]: exact where known, else a priori or empty
   std::vector<Payload> payloads;     // their known and unknown parameters
   std::vector<RecordingRole> roles;  // one a recording of the data
@@ -75,10 +76,12 @@ struct PreparedStudy {
   const BaseParameters& base() const { return model.base(); }
 };
 
-// Reads every recording of the study, then MakeData() and MakeModel(). BadInput: as these and the readers say.
+// CheckedStudy() (core/recording/check_study.h), every recording read, then MakeData() and MakeModel(). BadInput: as
+// these and the readers say. May be called for one study from several threads at once.
 Result<PreparedStudy> PrepareStudy(const Study& study);
 
-// The same of recordings that are in memory already, one a recording of the study in its order (CHECK).
+// The same of recordings that are in memory already, one a recording of the study in its order. BadInput: another
+// number of them; as CheckRecording().
 Result<PreparedStudy> PrepareStudy(const Study& study, std::vector<Recording> recordings);
 
 }  // namespace idim

@@ -4,19 +4,24 @@
 
 #include <algorithm>
 
+#include "core/robot/joint_units.h"
+
 namespace idim {
 
-std::vector<Parameter> GainParameters(int dof) {
+std::vector<Parameter> GainParameters(const Robot& robot, Side signal_side) {
   std::vector<Parameter> gains;
-  for (int j = 1; j <= dof; ++j) {
-    gains.push_back({"g" + std::to_string(j), ParameterKind::kDriveGain, j, "N.m per signal unit"});
+  for (int j = 1; j <= robot.dof(); ++j) {
+    const JointType driven =
+        signal_side == Side::kMotor ? JointType::kRevolute : robot.joints[static_cast<size_t>(j - 1)].type;
+    gains.push_back(
+        {"g" + std::to_string(j), ParameterKind::kDriveGain, j, UnitsOf(driven).torque + " per signal unit"});
   }
   return gains;
 }
 
 Unknowns::Unknowns(const Model& model, UncertainPayload uncertain) : dof_(model.base().model().dof()) {
   if (model.IdentifiesGains()) {
-    parameters_ = GainParameters(dof_);
+    parameters_ = GainParameters(model.base().model().robot(), model.signal_side);
   } else {
     known_gains_ = model.gains;
     CHECK_EQ(known_gains_.size(), dof_);

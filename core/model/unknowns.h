@@ -34,8 +34,8 @@ struct ArmParameters {
   }
 };
 
-// g1..gn.
-std::vector<Parameter> GainParameters(int dof);
+// g1..gn. On the motor side a gain makes the torque of a motor, which turns whatever its joint does.
+std::vector<Parameter> GainParameters(const Robot& robot, Side signal_side);
 
 // A payload parameter that is known to a standard deviation only: taken for exact, or an unknown (to be given a prior).
 enum class UncertainPayload { kExact, kUnknown };

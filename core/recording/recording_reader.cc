@@ -1,4 +1,4 @@
-// ReadRecording and JointTorque: from columns of CSV files to joint positions and control signals.
+// ReadRecording: from columns of CSV files to joint positions and control signals.
 
 #include <glog/logging.h>
 

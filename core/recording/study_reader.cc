@@ -7,6 +7,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/base/yaml.h"
+#include "core/recording/check_study.h"
 #include "core/recording/data_path.h"
 #include "core/recording/study.h"
 #include "core/robot/robot_reader.h"
@@ -43,7 +44,7 @@ class StudyReader {
     if (root["noise"].IsDefined()) ReadNoise(root["noise"]);
     if (root["preprocessing"].IsDefined()) ReadPreprocessing(root["preprocessing"]);
     if (!file_.ok()) return file_.status();
-    return std::move(study_);
+    return CheckedStudy(std::move(study_));
   }
 
  private:
@@ -226,11 +227,9 @@ class StudyReader {
   }
 
   void ReadGains(const YAML::Node& node) {
-    study_.gains = Eigen::VectorXd::Ones(n_);
     if (!node.IsDefined() || !file_.Map(node, "gains", {"mode", "values"})) return;
     if (node["mode"].IsDefined() && file_.Choice(node["mode"], "gains.mode", {"known", "identify"}) == 1) {
       study_.gains_mode = GainsMode::kIdentify;
-      study_.gains.resize(0);
     }
     if (!node["values"].IsDefined()) return;
     study_.gains = file_.Numbers(node["values"], "gains.values", n_, "N.m (or N) per signal unit, one a joint");

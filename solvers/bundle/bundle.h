@@ -25,8 +25,7 @@
 //
 // Rest. Where the sign of a velocity is not known, dry friction may be anything between -Fs and Fs: V_k has the
 // variance (Fs / g)^2 (1 - E[sign | measured]^2) of each joint besides S, Fs held like a weight (not in
-// solvers/bundle/ceres_bundle.h). Samples at rest then say little of friction, and those where the sign is known all of
-// it.
+// solvers/bundle/ceres_bundle.h). Samples at rest then say little of friction, those where the sign is known say all.
 //
 // Robust loss (option): Huber's of the norm of a sample's whitened residual V_k^-1/2 r_k, all joints together, by
 // reweighted rows; weights and covariance are made consistent for normal residuals. Unlike
@@ -81,8 +80,8 @@ struct BundleOptions {
 };
 
 struct BundleSummary {
-  // Untrusted: a gain of zero to start from, directions that the data do not see, no convergence, weights that do not
-  // settle.
+  // Untrusted: a gain of zero to start from, directions that the data do not see, no convergence of the unknowns or of
+  // the weights.
   Status status = Status::Untrusted("SolveBundle was not called");
   BundleOptions given;
 

@@ -9,8 +9,8 @@
 //                  with the effect's own torque in S, one that acts in short spells would hide itself), which knows
 //                  that residuals are correlated in time and between joints (core/statistics/long_run_covariance.h); as
 //                  F with (p, m - p) degrees, m = (sum h)^2 / sum h^2 the number of pieces, of the length of the
-//                  correlation, from which the effect is told: an effect of one spell, however large, is one
-//                  observation
+//                  correlation, from which the effect is told: an effect of one segment, however large, is
+//                  one observation
 //   held out       folds of contiguous blocks of every recording: all unknowns, with and without Z, are fitted on the
 //                  other folds (linearised at the minimum), and the squares compared on the fold left out
 

@@ -39,8 +39,7 @@ VectorXd APrioriSigma(const Data& data, const VectorXd& gains) {
   return (data.drive.Matrix(gains).cwiseAbs2() * noise.cwiseAbs2()).cwiseSqrt();
 }
 
-// n x columns: the same for each column of a GainSystem, of which the signals' alone are noisy. Again only ratios
-// count.
+// n x columns: the same for each column of a GainSystem, of which the signals' alone are noisy; only ratios count.
 MatrixXd APrioriColumnNoise(const Data& data, int columns) {
   const VectorXd& of_signal = data.request.signal_noise;
   if (of_signal.size() == 0) return MatrixXd();

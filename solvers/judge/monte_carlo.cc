@@ -33,16 +33,6 @@ struct Simulator {
   NoiseOptions noise;
 };
 
-Result<ArmParameters> ArmOf(const PreparedStudy& prepared, const Estimate& estimate) {
-  Reference reference;
-  reference.name = estimate.estimator;
-  for (const ParameterEstimate& p : estimate.parameters) {
-    reference.parameters.push_back({p.parameter.name, p.value, p.standard_deviation});
-  }
-  for (const EstimatedEffect& effect : estimate.effects) reference.effects.push_back(effect);
-  return ParametersOf(prepared, reference);
-}
-
 // Of the model, in the order of the estimates: gains where they are identified, base parameters, those of effects,
 // unknown payloads'.
 std::vector<TrueParameter> TrueParameters(const PreparedStudy& prepared, const ArmParameters& arm) {
@@ -72,7 +62,7 @@ std::vector<PlacedEffect> EffectsAt(const StatedModel& stated) {
 }
 
 Result<Simulator> MakeSimulator(const PreparedStudy& prepared, const Estimate& reference) {
-  const Result<ArmParameters> arm = ArmOf(prepared, reference);
+  const Result<ArmParameters> arm = ParametersOf(prepared, ReferenceOf(reference));
   if (!arm.ok()) return arm.status();
   const Eigen::FullPivLU<MatrixXd> inverse(prepared.data->drive.Matrix(arm->gains));
   if (!inverse.isInvertible()) {

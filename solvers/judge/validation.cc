@@ -161,7 +161,7 @@ Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Referenc
   }
   ArmParameters arm;
   arm.gains = model.gains;
-  const std::vector<Parameter> gains = GainParameters(n);
+  const std::vector<Parameter> gains = GainParameters(robot, model.signal_side);
   int gains_found = 0;
   for (const Parameter& gain : gains) gains_found += estimate.Find(gain.name) != nullptr;
   if (gains_found > 0 && gains_found < n) {

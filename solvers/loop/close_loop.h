@@ -77,8 +77,7 @@ struct LoopResult {
   explicit LoopResult(PreparedStudy prepared_in) : prepared(std::move(prepared_in)) {}
 };
 
-// options valid (CHECK). BadInput: as IdentifyEiv. A declared model that cannot be fitted is in the status of the
-// result.
+// options valid (CHECK). BadInput: as IdentifyEiv. That the declared model cannot be fitted is in the result's status.
 Result<LoopResult> CloseLoop(const PreparedStudy& prepared, const LoopOptions& options);
 
 }  // namespace idim

@@ -3,8 +3,8 @@
 // 1. The bundle is fitted without them.
 // 2. Those without shape, or with a start value for it, are added together; then the others one after the other, in the
 //    study's order, each with the shape that explains most of what is left (FindShape, solvers/loop/effect_scan.h).
-// 3. Everything is fitted anew, shapes by Gauss-Newton, until shapes and columns have settled (Refit,
-//    solvers/loop/effect_fit.h).
+// 3. Everything is fitted anew, shapes by Gauss-Newton, until shapes and columns have converged
+//    (Refit, solvers/loop/effect_fit.h).
 // What comes out has a column for each linear parameter of an effect and one for the step of each shape; for the bundle
 // these steps are about zero, for another estimator they are its own step from the bundle's shape.
 //

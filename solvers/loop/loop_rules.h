@@ -56,8 +56,8 @@ double CorrectedPValue(double p_value, const Tries& tries);
 // The gate on the score test.
 bool PassesScoreTest(double corrected_p_value, double significance);
 
-// The gate on the held-out error, of a candidate: down by more than the margin, and by more than kCandidateErrors or in
-// kMostFolds.
+// The gate on the held-out error, of a candidate: down by more than the margin, and by more than kCandidateErrors
+// or in kMostFolds.
 bool PassesHeldOut(const CandidateRow& row, double margin);
 
 // The same of an effect once everything is fitted with and without it, by kRefitErrors. Squares by fold, of its joints.

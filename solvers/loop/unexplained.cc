@@ -25,8 +25,8 @@ struct Signal {
   VectorXd value;  // samples
 };
 
-// Without the noise of the states: it is in the residual too (of a joint at rest ddq is nothing else), and would be
-// found.
+// Without the noise of the states: it is in the residual too (of a joint at rest ddq is nothing else), and would
+// be found.
 VectorXd Smooth(const PreparedStudy& prepared, const MeasuredRecording& recording, const MatrixXd& of, int joint) {
   EffectMotion motion;
   motion.t = recording.states->t;

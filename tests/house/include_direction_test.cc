@@ -49,7 +49,7 @@ const std::map<std::string, std::vector<std::set<std::string>>>& Rooms() {
         {"motion", "simulation"},
         {"effects"},
         {"model"}}},
-      {"solvers", {{"linear", "consistent"}, {"bundle"}, {"estimators"}, {"loop"}, {"judge"}}},
+      {"solvers", {{"linear", "consistent"}, {"bundle"}, {"estimators"}, {"loop"}, {"judge"}, {""}}},
       {"apps", {{"pages"}, {"paper_study"}, {""}}},
   };
   return *rooms;

@@ -95,8 +95,8 @@ TEST(GainVerdict, NumbersAreThoseOfTheDefinitions) {
     EXPECT_NEAR(v.known_share, 1.0 - rest.squaredNorm() / signal.squaredNorm(), 1e-8);
     EXPECT_NEAR(v.least_squares, -signal.dot(known) / signal.squaredNorm(), 1e-7);
     EXPECT_NEAR(v.reliability, 1.0 - v.noise * v.noise / (v.independent * v.independent), 1e-10);
-    // All gains' signals scatter by 20 % of their rms a recorded sample; the decimator leaves sum of squares of its
-    // taps.
+    // All gains' signals scatter by 20 % of their rms a recorded sample; the decimator leaves the sum of squares of
+    // its taps.
     const std::vector<double>& taps = study.prepared.data->recordings[0].decimator->Taps();
     double squares = 0.0;
     for (const double tap : taps) squares += tap * tap;

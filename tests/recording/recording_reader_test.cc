@@ -139,7 +139,7 @@ TEST(ReadRecording, MotorPositionsGoThroughTheTransmission) {
   EXPECT_EQ(recording->signal, Rows({{7, 8}, {9, 10}}));  // its side is another key's business
 }
 
-TEST(JointTorque, PowerIsTheSameOnBothSides) {
+TEST(DriveMap, PowerIsTheSameOnBothSides) {
   const StudyFolder files(std::string(kPlainStudy) + "signal_side: motor\n", kPlainCsv,
                           std::string(kTwoJoints) + kTwoCoupledMotors);
   Result<Study> study = ReadStudy(files.study_path());

@@ -3,7 +3,7 @@
 # and the plotting library of the reports by npm. Does nothing, quickly, where all of it is there.
 #
 #   scripts/install_dependencies.sh            to build the libraries, programs, tests and benchmarks
-#   scripts/install_dependencies.sh --tests    also the browser in which the tests open the reports, and Doxygen
+#   scripts/install_dependencies.sh --tests    also the browser in which the tests open the reports, Doxygen and what checks style
 #   scripts/install_dependencies.sh --benchmarks   also ODRPACK, the peer of benchmarks/compare_bundle.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -18,7 +18,7 @@ packages=(
 )
 case "${1-}" in
   "") ;;
-  --tests) packages+=(chromium doxygen) ;;
+  --tests) packages+=(chromium doxygen clang-format clang-tidy python3) ;;
   --benchmarks) packages+=(python3-scipy) ;;
   *) echo "usage: $0 [--tests | --benchmarks]" >&2; exit 1 ;;
 esac

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Installs what is missing, then builds and tests twice: a release build with every test, and a build under
-# AddressSanitizer (leaks too) and UndefinedBehaviorSanitizer. The second leaves out (CMakePresets.json) what would run
-# no line of ours that the others do not: the tests labelled "slow" (statistics over many draws), those that a program
-# run again writes the same bytes, and those of what a browser, which has no sanitizer, makes of a report.
-# The last line is the sum, "N passed, N failed, N skipped"; a build that fails counts as one failure.
+# Installs what is missing, builds and tests twice, and checks the style: a release build with every test, and a build
+# under AddressSanitizer (leaks too) and UndefinedBehaviorSanitizer. The second has the tests that run what the others
+# do not under its eyes (IDIM_TESTS in CMakePresets.json): readers of files good and bad, the programs with every
+# estimator, the kernel that counts in octets. It leaves out their repetitions for the same bytes, and the browser,
+# which has no sanitizer.
+# The last line is the sum over all cases, "N passed, N failed, N skipped"; a build that fails counts as one failure.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 if [ $# -gt 0 ]; then
@@ -23,30 +24,25 @@ finish() {
 # Reached early only when a command below fails, or on an interrupt.
 trap 'failed=$((failed + 1)); finish' EXIT
 
-# attribute NAME FILE: a count in the head of a JUnit file.
-attribute() { grep -o -m 1 "[[:space:]]$1=\"[0-9]*\"" "$2" | head -n 1 | tr -dc '0-9'; }
-
 run_suite() {
-  local preset=$1
-  local results=$PWD/build/$preset/test_results.xml
-  cmake --preset "$preset" -DIDIM_BUILD_TESTS=ON
-  cmake --build --preset "$preset" --parallel "$(nproc)"
-  rm -f "$results"
-  local status=0
-  ctest --preset "$preset" --parallel "$(nproc)" --output-junit "$results" || status=$?
-  local tests failures not_run passes
-  tests=$(attribute tests "$results")
-  failures=$(attribute failures "$results")
-  not_run=$(($(attribute disabled "$results") + $(attribute skipped "$results")))
-  # ctest may fail without naming a test, and a test without a result has not passed.
+  local build=$PWD/build/$1
+  cmake --preset "$1" -DIDIM_BUILD_TESTS=ON
+  cmake --build --preset "$1" --parallel "$(nproc)"
+  rm -rf "$build/test_results" "$build/test_results.xml"
+  local status=0 counts passes failures skips
+  ctest --preset "$1" --parallel "$(nproc)" --output-junit "$build/test_results.xml" || status=$?
+  counts=$(awk -v results="$build/test_results" -f scripts/count_cases.awk "$build/test_results.xml")
+  read -r passes failures skips <<<"$counts"
+  # ctest may fail without naming a test.
   if [ $status -ne 0 ] && [ "$failures" -eq 0 ]; then failures=1; fi
-  passes=$((tests - failures - not_run))
-  passed=$((passed + (passes > 0 ? passes : 0)))
+  echo "$1: $passes passed, $failures failed, $skips skipped, after $SECONDS s"
+  passed=$((passed + passes))
   failed=$((failed + failures))
-  skipped=$((skipped + not_run))
+  skipped=$((skipped + skips))
 }
 
 scripts/install_dependencies.sh --tests
 run_suite release
+if scripts/check_style.sh --tidy; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
 run_suite asan
 finish

@@ -95,7 +95,7 @@ nlohmann::ordered_json ToJson(const Nees& nees) {
           {"runs", nees.runs}};
 }
 
-nlohmann::ordered_json ToJson(const VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); }
+nlohmann::ordered_json ListOf(const VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); }
 
 }  // namespace
 
@@ -169,7 +169,7 @@ nlohmann::ordered_json MonteCarloJson(const MonteCarlo& monte_carlo) {
   json["runs"] = monte_carlo.runs;
   json["seed"] = monte_carlo.seed;
   json["reference"] = monte_carlo.reference;
-  json["noise"] = {{"position", ToJson(monte_carlo.position_noise)}, {"signal", ToJson(monte_carlo.signal_noise)}};
+  json["noise"] = {{"position", ListOf(monte_carlo.position_noise)}, {"signal", ListOf(monte_carlo.signal_noise)}};
   json["estimators"] = nlohmann::ordered_json::array();
   for (const EstimatorStatistics& e : monte_carlo.estimators) {
     nlohmann::ordered_json estimator;

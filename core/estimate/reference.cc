@@ -14,10 +14,8 @@
 namespace idim {
 namespace {
 
-using Json = nlohmann::json;
-
 // The number under `key`, or a message.
-Result<double> Number(const Json& entry, const char* key, const std::string& where) {
+Result<double> Number(const nlohmann::json& entry, const char* key, const std::string& where) {
   const auto found = entry.find(key);
   if (found == entry.end() || !found->is_number()) {
     return Status::BadInput(where + ": key '" + key + "': expected a number");
@@ -25,19 +23,20 @@ Result<double> Number(const Json& entry, const char* key, const std::string& whe
   return found->get<double>();
 }
 
-Result<EstimatedEffect> ParseEffect(const Json& entry, const std::string& where) {
+Result<EstimatedEffect> ParseEffect(const nlohmann::json& entry, const std::string& where) {
   EstimatedEffect effect;
   if (!entry.is_object() || !entry.contains("id") || !entry["id"].is_string()) {
     return Status::BadInput(where + ": key 'id': expected the id of an effect, such as \"stribeck\"");
   }
   effect.id = entry["id"].get<std::string>();
-  const Json joints = entry.value("joints", Json::array());
-  const bool are_joints = joints.is_array() && std::all_of(joints.begin(), joints.end(), [](const Json& joint) {
-                            return joint.is_number_integer() && joint.get<double>() >= 1.0 && joint.get<double>() < 1e6;
-                          });
+  const nlohmann::json joints = entry.value("joints", nlohmann::json::array());
+  const bool are_joints =
+      joints.is_array() && std::all_of(joints.begin(), joints.end(), [](const nlohmann::json& joint) {
+        return joint.is_number_integer() && joint.get<double>() >= 1.0 && joint.get<double>() < 1e6;
+      });
   if (!are_joints) return Status::BadInput(where + ": key 'joints': expected a list of joints, from 1 on");
-  for (const Json& joint : joints) effect.joints.push_back(joint.get<int>() - 1);
-  const Json shape = entry.value("shape", Json::object());
+  for (const nlohmann::json& joint : joints) effect.joints.push_back(joint.get<int>() - 1);
+  const nlohmann::json shape = entry.value("shape", nlohmann::json::object());
   if (!shape.is_object()) return Status::BadInput(where + ": key 'shape': expected an object of numbers");
   for (const auto& [name, value] : shape.items()) {
     if (!value.is_number()) return Status::BadInput(where + ": key 'shape." + name + "': expected a number");
@@ -71,7 +70,7 @@ Reference ReferenceOf(const Estimate& estimate) {
 Result<Reference> ReadReference(const std::string& path) {
   Result<std::string> text = ReadFile(path);
   if (!text.ok()) return text.status();
-  const Json json = Json::parse(*text, nullptr, false);
+  const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
   if (json.is_discarded() || !json.is_object()) {
     return Status::BadInput(path + ": not a JSON object; expected a file in the format of estimate.json");
   }
@@ -95,7 +94,7 @@ Result<Reference> ReadReference(const std::string& path) {
     return Status::BadInput(path + ": key 'parameters': expected a list of {name, value, standard_deviation}");
   }
   for (size_t k = 0; k < parameters->size(); ++k) {
-    const Json& entry = (*parameters)[k];
+    const nlohmann::json& entry = (*parameters)[k];
     const std::string where = path + ": parameters[" + std::to_string(k) + "]";
     if (!entry.is_object() || !entry.contains("name") || !entry["name"].is_string()) {
       return Status::BadInput(where + ": key 'name': expected the name of a parameter, such as \"ZZ1R\"");
@@ -115,14 +114,14 @@ Result<Reference> ReadReference(const std::string& path) {
     }
     reference.parameters.push_back(std::move(parsed));
   }
-  const Json effects = json.value("effects", Json::array());
+  const nlohmann::json effects = json.value("effects", nlohmann::json::array());
   if (!effects.is_array()) return Status::BadInput(path + ": key 'effects': expected a list of {id, joints, shape}");
   for (size_t k = 0; k < effects.size(); ++k) {
     Result<EstimatedEffect> effect = ParseEffect(effects[k], path + ": effects[" + std::to_string(k) + "]");
     if (!effect.ok()) return effect.status();
     reference.effects.push_back(std::move(effect).value());
   }
-  const Json at_rest = json.value("velocity_zero_at_rest", Json(false));
+  const nlohmann::json at_rest = json.value("velocity_zero_at_rest", nlohmann::json(false));
   if (!at_rest.is_boolean()) return Status::BadInput(path + ": key 'velocity_zero_at_rest': expected true or false");
   reference.velocity_zero_at_rest = at_rest.get<bool>();
   return reference;

@@ -157,13 +157,13 @@ class Renderer {
     CHECK_GE(grid.columns, 1);
     html_ += "<div class=\"grid\" style=\"--columns:" + std::to_string(grid.columns) + "\">\n";
     for (const Figure& figure : grid.figures) {
-      const FigureJson json = ToJson(figure, &pool_);
-      const std::string title = EscapeHtml(json.title);
+      const FigureJson drawn = ToJson(figure, &pool_);
+      const std::string title = EscapeHtml(drawn.title);
       html_ += "<figure><figcaption>" + title + "</figcaption><div class=\"figure\" id=\"figure-" +
                std::to_string(specs_.size()) + "\" role=\"img\" aria-label=\"" + title +
-               "\" style=\"height:" + std::to_string(json.height_px) + "px\"></div></figure>\n";
-      specs_.push_back(json.spec);
-      specs_.back()["title"] = json.title;
+               "\" style=\"height:" + std::to_string(drawn.height_px) + "px\"></div></figure>\n";
+      specs_.push_back(drawn.spec);
+      specs_.back()["title"] = drawn.title;
     }
     html_ += "</div>\n";
   }

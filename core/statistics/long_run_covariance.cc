@@ -10,7 +10,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 // Windows that are summed together.
-constexpr Index kBlockRows = 256;
+constexpr Index kWindowRows = 256;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ int ChooseLag(const MatrixXd& rows, const SampleRanges& recordings) {
 }
 
 MatrixXd LongRunCovariance(const MatrixXd& rows, const SampleRanges& recordings, int lag) {
-  MatrixXd sum = MatrixXd::Zero(rows.cols(), rows.cols()), windows(kBlockRows, rows.cols());
+  MatrixXd sum = MatrixXd::Zero(rows.cols(), rows.cols()), windows(kWindowRows, rows.cols());
   for (const auto& [begin, end] : recordings) {
     Eigen::RowVectorXd window = Eigen::RowVectorXd::Zero(rows.cols());
     Index filled = 0;
@@ -43,7 +43,7 @@ MatrixXd LongRunCovariance(const MatrixXd& rows, const SampleRanges& recordings,
       if (begin + w < end) window += rows.row(begin + w);
       if (w > lag) window -= rows.row(begin + w - lag - 1);
       windows.row(filled++) = window;
-      if (filled < kBlockRows && w + 1 < end - begin + lag) continue;
+      if (filled < kWindowRows && w + 1 < end - begin + lag) continue;
       sum.noalias() += windows.topRows(filled).transpose() * windows.topRows(filled) / (lag + 1.0);
       filled = 0;
     }

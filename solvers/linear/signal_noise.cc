@@ -10,7 +10,7 @@ namespace idim {
 namespace {
 
 // Noise-free data leave rounding, whose ratios mean nothing.
-constexpr double kRoundingShare = 1e-8;
+constexpr double kSmallestShare = 1e-8;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ Eigen::MatrixXd SignalNoise(const GainSystem& system, double rank_tolerance) {
     const double norm = r[k].col(k).norm();
     if (norm == 0.0) continue;
     const double own =
-        std::max(rest.norm / std::sqrt(std::max(1.0, rows - rest.rank)), kRoundingShare * norm / std::sqrt(rows));
+        std::max(rest.norm / std::sqrt(std::max(1.0, rows - rest.rank)), kSmallestShare * norm / std::sqrt(rows));
     for (int j = 0; j < n; ++j) noise(j, k) = own * r[j].col(k).norm() / norm;
   }
   return noise;

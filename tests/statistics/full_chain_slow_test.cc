@@ -1,5 +1,4 @@
 // From noisy encoder samples through filter and decimation to the bundle: its errors over repeated noise.
-// More runs: IDIM_MONTE_CARLO_RUNS.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +6,6 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -16,6 +14,7 @@
 #include "core/model/model.h"
 #include "core/simulation/simulate.h"
 #include "solvers/bundle/bundle.h"
+#include "tests/support/draws.h"
 #include "tests/support/eiv_draws.h"
 #include "tests/support/monte_carlo.h"
 #include "tests/support/tx40_scenario.h"
@@ -25,9 +24,9 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using testing::Draws;
 using ::testing::IsEmpty;
 using testing::MonteCarloRun;
-using testing::MonteCarloRuns;
 using testing::MonteCarloStatistics;
 using testing::Print;
 using testing::ReportedCovariance;
@@ -64,6 +63,7 @@ VectorXd LagOne(const MatrixXd& w) {
 }
 
 constexpr double kAlarm = 1e-4;
+constexpr unsigned kSeed = 1000;
 
 // A scenario's noise-free truth, logged anew in each run.
 struct Chain {
@@ -81,7 +81,7 @@ struct Chain {
   Result<PreparedStudy> Prepare(int run) const {
     std::vector<Recording> recordings;
     for (size_t r = 0; r < truths.size(); ++r) {
-      recordings.push_back(AddNoise(truths[r], scenario.robot, scenario.noise, 1000 + 2 * run + r));
+      recordings.push_back(AddNoise(truths[r], scenario.robot, scenario.noise, kSeed + 2 * run + r));
     }
     return PrepareStudy(study, std::move(recordings));
   }
@@ -164,7 +164,7 @@ testing::Tx40Log EncoderLog() {
 // against 1.03).
 TEST(FullChain, EncoderAtOneKilohertz) {
   const Chain chain(EncoderLog(), 20.0, 20);
-  const ChainResult result = RunChain(chain, MonteCarloRuns(24), false);
+  const ChainResult result = RunChain(chain, Draws(120, 24, kSeed), false);
   ASSERT_THAT(testing::Failures(result.runs), IsEmpty());
   EXPECT_THAT(Inconsistencies(Report(result).gains_robust, kAlarm), IsEmpty());
 }
@@ -173,7 +173,7 @@ TEST(FullChain, EncoderAtOneKilohertz) {
 // model. The same draws as above, for their figures beside each other; the residual's noise is larger on every joint.
 TEST(FullChain, UnfilteredColumnsLeaveMoreResidual) {
   const Chain chain(EncoderLog(), 20.0, 20);
-  const int runs = MonteCarloRuns(8);
+  const int runs = Draws(24, 8, kSeed);
   const ChainResult filtered = RunChain(chain, runs, false), unfiltered = RunChain(chain, runs, true);
   ASSERT_THAT(testing::Failures(filtered.runs), IsEmpty());
   ASSERT_THAT(testing::Failures(unfiltered.runs), IsEmpty());
@@ -196,7 +196,7 @@ TEST(FullChain, DwellsCoarseEncoderJitteringClock) {
   log.noise = "{position_step: 1.0e-4, signal_percent: 15}";
   log.trajectory = "{type: point_to_point, random: 150, dwell: 1.0, speed: [0.5, 1.0]}";
   const Chain chain(log, 10.0, 4);
-  const ChainResult result = RunChain(chain, MonteCarloRuns(12), false);
+  const ChainResult result = RunChain(chain, Draws(40, 12, kSeed), false);
   ASSERT_THAT(testing::Failures(result.runs), IsEmpty());
   EXPECT_THAT(Inconsistencies(Report(result).gains_robust, kAlarm), IsEmpty());
 }

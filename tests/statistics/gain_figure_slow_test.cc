@@ -1,8 +1,8 @@
 // The TX-40 with gains to be identified, noise on signals and joint states, payload mass known: bias, spread and
 // coverage of the bundle beside LS and TLS on the same draws.
 //
-// The suite takes a part of the figure's samples and runs. The figure itself, 2 x 1500 decimated samples:
-//   IDIM_MONTE_CARLO_RUNS=300 IDIM_MONTE_CARLO_SAMPLES=1500 tests/gain_figure_slow_test
+// The suite takes a part of the figure's samples and runs; the figure itself, of 2 x 1500 decimated samples, is a
+// campaign.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,11 +11,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <iostream>
 
 #include "solvers/bundle/bundle.h"
 #include "solvers/linear/gain_identification.h"
+#include "tests/support/draws.h"
 #include "tests/support/eiv_draws.h"
 #include "tests/support/monte_carlo.h"
 #include "tests/support/tx40_scenario.h"
@@ -25,6 +25,7 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+using testing::Draws;
 using testing::EivDraws;
 using testing::Inconsistencies;
 using ::testing::IsEmpty;
@@ -36,13 +37,9 @@ using testing::Summarize;
 
 constexpr double kAlarm = 1e-4;
 constexpr int kDof = 6;
+constexpr unsigned kSeed = 1;
 
-// Decimated samples of a recording.
-int Samples(int usual) {
-  const char* value = std::getenv("IDIM_MONTE_CARLO_SAMPLES");
-  return value != nullptr && std::atoi(value) > 0 ? std::atoi(value) : usual;
-}
-
+// samples: decimated ones of a recording.
 EivDraws Figure(double joint_noise, int samples) {
   testing::Tx40Log log;
   log.duration = (samples + 9.5) / log.rate;  // 5 outputs are dropped at either end
@@ -54,6 +51,7 @@ EivDraws Figure(double joint_noise, int samples) {
   testing::EivNoise noise;
   noise.state = joint_noise * Vector3d(2e-5, 1.5e-3, 0.7);
   noise.signal = 0.1;
+  noise.seed = kSeed;
   return EivDraws(testing::ExactStudy(testing::Tx40Scenario(log)), noise);
 }
 
@@ -146,8 +144,8 @@ Reports PrintFigure(const EivDraws& draws, const FigureResult& result) {
 // spreads of one parameter (0.3 with 300 runs) and 4 % of all standard deviations by NEES. LS and TLS beside it are
 // off by many spreads.
 TEST(GainFigure, RealisticJointNoise) {
-  const EivDraws draws = Figure(1.0, Samples(300));
-  const FigureResult result = RunFigure(draws, testing::MonteCarloRuns(40));
+  const EivDraws draws = Figure(1.0, testing::FullDraws() ? 1500 : 300);
+  const FigureResult result = RunFigure(draws, Draws(300, 40, kSeed));
   ASSERT_THAT(testing::Failures(result.bundle), IsEmpty());
   const Reports reports = PrintFigure(draws, result);
   EXPECT_THAT(Inconsistencies(reports.all, kAlarm), IsEmpty());
@@ -166,8 +164,8 @@ TEST(GainFigure, RealisticJointNoise) {
 // standard deviation of 0.05. One run in ten does not converge, where the noise left for a signal is too small to tell
 // from none beside the joint data's; it is reported so.
 TEST(GainFigure, TenTimesTheJointNoise) {
-  const EivDraws draws = Figure(10.0, Samples(1500));
-  const FigureResult result = RunFigure(draws, testing::MonteCarloRuns(10));
+  const EivDraws draws = Figure(10.0, 1500);
+  const FigureResult result = RunFigure(draws, Draws(100, 10, kSeed));
   EXPECT_LT(testing::Failures(result.bundle).size(), result.bundle.size() / 2);
   const Reports reports = PrintFigure(draws, result);
   EXPECT_GT(reports.all.MeanNees(), 0.7);

@@ -15,6 +15,8 @@
 #ifndef IDIM_TESTS_SUPPORT_MONTE_CARLO_H_
 #define IDIM_TESTS_SUPPORT_MONTE_CARLO_H_
 
+#include <gtest/gtest.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <atomic>
@@ -22,7 +24,6 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <cstdio>
-#include <cstdlib>
 #include <functional>
 #include <string>
 #include <thread>
@@ -32,12 +33,6 @@
 #include "solvers/bundle/bundle.h"
 
 namespace idim::testing {
-
-// Environment variable IDIM_MONTE_CARLO_RUNS, else `usual`: more runs than a suite has time for.
-inline int MonteCarloRuns(int usual) {
-  const char* value = std::getenv("IDIM_MONTE_CARLO_RUNS");
-  return value != nullptr && std::atoi(value) > 0 ? std::atoi(value) : usual;
-}
 
 struct MonteCarloRun {
   std::string failure;  // empty: the estimator gave an estimate
@@ -181,7 +176,7 @@ inline Eigen::VectorXd MeanVarianceRatio(const std::vector<MonteCarloRun>& resul
   return sum / runs;
 }
 
-// A table for a person; the figures that Inconsistencies() judges.
+// A table for a person; the figures that Inconsistencies() judges. Those of the whole go into the test's result too.
 inline void Print(const std::string& title, const MonteCarloStatistics& s) {
   std::printf("%s, %d runs\n%-6s %10s %10s %10s\n", title.c_str(), s.runs, "", "bias/sd", "sd/pred", "coverage");
   for (Eigen::Index k = 0; k < s.bias.size(); ++k) {
@@ -191,6 +186,10 @@ inline void Print(const std::string& title, const MonteCarloStatistics& s) {
   std::printf("bias chi-square %.1f of %d, mean NEES / p %.4f, mean coverage %.4f, from %.3f to %.3f\n",
               s.bias_chi_square, static_cast<int>(s.bias.size()), s.MeanNees(), s.MeanCoverage(),
               static_cast<double>(s.covered.minCoeff()) / s.runs, static_cast<double>(s.covered.maxCoeff()) / s.runs);
+  ::testing::Test::RecordProperty(title + ": mean NEES / p", std::to_string(s.MeanNees()));
+  ::testing::Test::RecordProperty(title + ": mean coverage", std::to_string(s.MeanCoverage()));
+  ::testing::Test::RecordProperty(title + ": bias chi-square / p",
+                                  std::to_string(s.bias_chi_square / static_cast<double>(s.bias.size())));
 }
 
 inline std::vector<std::string> Failures(const std::vector<MonteCarloRun>& results) {

@@ -96,8 +96,7 @@ std::string RivalSentence(const LoopStep& step) {
   if (step.confusable_with.empty()) return "no other candidate explains the same as well";
   std::vector<std::string> names;
   for (const LoopRival& rival : step.confusable_with) {
-    names.push_back(EffectTitle(rival.effect) +
-                    Format(" (%.2f %% on held-out blocks)", rival.validation_error_percent));
+    names.push_back(EffectTitle(rival.effect) + Format(" (%.2f %% on held-out blocks)", rival.held_out_error_percent));
   }
   return "these data do not tell it from " + Join(names, "; ");
 }

@@ -91,7 +91,7 @@ Json StepJson(const LoopResult& result, const LoopStep& step) {
   json["confusable_with"] = Json::array();
   for (const LoopRival& rival : step.confusable_with) {
     Json entry = Place(rival.effect);
-    entry["validation_error_percent"] = Percent(rival.validation_error_percent);
+    entry["held_out_error_percent"] = Percent(rival.held_out_error_percent);
     json["confusable_with"].push_back(std::move(entry));
   }
   json["physics"] = step.effect.effect->physics();

@@ -53,7 +53,7 @@ MatrixXd InverseOf(const MatrixXd& r) {
 // What the error of the estimated states makes up of the curvature K = R'R: T = R^-T N R^-1, held below the share of K
 // at which K - N = R'(I - T) R is still a curvature. inverse: R^-1. *share: of the direction where it is largest.
 constexpr double kLargestShare = 0.97;
-MatrixXd HeldShares(const MatrixXd& noise, const MatrixXd& inverse, double* share) {
+MatrixXd ClampedNoiseShare(const MatrixXd& noise, const MatrixXd& inverse, double* share) {
   const MatrixXd shares = inverse.transpose() * noise * inverse;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(0.5 * (shares + shares.transpose())));
   *share = eigen.eigenvalues().maxCoeff();
@@ -62,7 +62,7 @@ MatrixXd HeldShares(const MatrixXd& noise, const MatrixXd& inverse, double* shar
 }
 
 // (K - N)^-1 for K = R'R.
-MatrixXd InverseWithout(const MatrixXd& shares, const MatrixXd& inverse) {
+MatrixXd InverseOfCorrectedInformation(const MatrixXd& shares, const MatrixXd& inverse) {
   return inverse * (MatrixXd::Identity(shares.rows(), shares.cols()) - shares).inverse() * inverse.transpose();
 }
 
@@ -83,8 +83,9 @@ bool Minimize(BundleProblem* problem, double tolerance, int max_iterations, cons
     ++summary->iterations;
     if (newton) {
       const MatrixXd triangle = r.topLeftCorner(c, c), inverse = InverseOf(triangle);
-      const VectorXd step = -(InverseWithout(HeldShares(noise, inverse, &summary->noise_share), inverse) *
-                              (triangle.transpose() * r.col(c).head(c)));
+      const VectorXd step =
+          -(InverseOfCorrectedInformation(ClampedNoiseShare(noise, inverse, &summary->noise_share), inverse) *
+            (triangle.transpose() * r.col(c).head(c)));
       const VectorXd next = Moved(iterate->theta, step, problem->num_gains());
       if (next.allFinite()) {
         Evaluation at = problem->Evaluate(next, iterate->sigma);
@@ -136,7 +137,8 @@ void SetCovariance(BundleProblem* problem, const BundleData& data, const Iterate
   summary->covariance = inverse * inverse.transpose() * variance;
   if (!options.inference) return;
   const MatrixXd noise = problem->NoiseInformation(iterate.theta, iterate.sigma, kNoiseSamples);
-  const MatrixXd bread = InverseWithout(HeldShares(noise, inverse, &summary->noise_share), inverse);
+  const MatrixXd bread =
+      InverseOfCorrectedInformation(ClampedNoiseShare(noise, inverse, &summary->noise_share), inverse);
   MatrixXd middle = sensitivity.curvature.transpose() * sensitivity.curvature * variance;
   if (options.max_weight_iterations > 0) {
     // Weights that are estimated: their errors move the estimate where the joint data's noise is felt.
@@ -248,12 +250,12 @@ BundleSummary SolveBundle(const BaseParameters& base, const BundleData& data, co
   if (!summary.status.ok()) return summary;
 
   MatrixXd noise;  // not before the unknowns and weights are about right
-  bool settled = options.max_weight_iterations == 0;
-  while (!settled && summary.weight_iterations < options.max_weight_iterations &&
+  bool converged = options.max_weight_iterations == 0;
+  while (!converged && summary.weight_iterations < options.max_weight_iterations &&
          Minimize(&problem, kLooseTolerance, options.max_iterations, noise, &iterate, &summary)) {
     const VectorXd next = problem.NextSigma(iterate.at);
     ++summary.weight_iterations;
-    settled = ((next - iterate.sigma).cwiseQuotient(iterate.sigma)).cwiseAbs().maxCoeff() < options.weight_tolerance;
+    converged = ((next - iterate.sigma).cwiseQuotient(iterate.sigma)).cwiseAbs().maxCoeff() < options.weight_tolerance;
     iterate.sigma = next;
     if (noise.size() == 0) noise = problem.NoiseInformation(iterate.theta, iterate.sigma);
     problem.HoldFriction(iterate.theta);
@@ -274,7 +276,7 @@ BundleSummary SolveBundle(const BaseParameters& base, const BundleData& data, co
     summary.status = Status::Untrusted(std::string("the bundle has not converged: the minimum is still ") + distance +
                                        " standard deviations away after " + std::to_string(summary.iterations) +
                                        " iterations. Start from better gains, or weigh more of the payload");
-  } else if (!settled) {
+  } else if (!converged) {
     summary.status = Status::Untrusted("the weights of the bundle have not settled after " +
                                        std::to_string(summary.weight_iterations) + " rounds");
   }

@@ -68,7 +68,7 @@ struct BundleOptions {
   int max_iterations = 100;        // Levenberg-Marquardt steps in all, >= 1
   double step_tolerance = 1e-6;    // converged: the minimum is nearer than this many standard deviations, > 0
   int max_weight_iterations = 20;  // >= 0; 0 keeps `signal_sigma`
-  double weight_tolerance = 1e-4;  // settled: no sigma changes by more than this fraction, > 0
+  double weight_tolerance = 1e-4;  // converged: no sigma changes by more than this fraction, > 0
   Eigen::VectorXd signal_sigma;    // n [signal unit] to start from; empty: from the residual of the start
   std::vector<BundlePrior> priors;
   double huber_threshold = 0.0;   // in standard deviations: of the norm, divided by sqrt(n); 0: no loss

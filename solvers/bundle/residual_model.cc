@@ -75,21 +75,21 @@ ResidualModel::ResidualModel(const BaseParameters& base, const BundleData& data,
 
 void ResidualModel::SetFolds() {
   fold_.resize(static_cast<size_t>(samples()));
-  fold_spells_.resize(static_cast<size_t>(folds_));
+  fold_segments_.resize(static_cast<size_t>(folds_));
   for (const auto& [begin, end] : recordings_) {
     for (Index k = begin; k < end; ++k) {
       const auto f = static_cast<size_t>((k - begin) * folds_ / (end - begin));
       fold_[static_cast<size_t>(k)] = static_cast<int>(f);
-      SampleRanges& spells = fold_spells_[f];
-      if (spells.empty() || spells.back().second != k || k == begin) spells.push_back({k, k});
-      spells.back().second = k + 1;
+      SampleRanges& segments = fold_segments_[f];
+      if (segments.empty() || segments.back().second != k || k == begin) segments.push_back({k, k});
+      segments.back().second = k + 1;
     }
   }
   in_space_ = q_.transpose() * residual_;
-  for (const SampleRanges& spells : fold_spells_) {
+  for (const SampleRanges& segments : fold_segments_) {
     MatrixXd normal = MatrixXd::Identity(q_.cols(), q_.cols());
     VectorXd right = in_space_;
-    for (const auto& [begin, end] : spells) {
+    for (const auto& [begin, end] : segments) {
       const auto rows = q_.middleRows(begin * dof_, (end - begin) * dof_);
       normal.noalias() -= rows.transpose() * rows;
       right -= rows.transpose() * residual_.segment(begin * dof_, (end - begin) * dof_);
@@ -208,12 +208,12 @@ ResidualModel::HeldOut ResidualModel::CrossValidate(const MatrixXd& remainder) c
   result.squares = MatrixXd::Zero(folds_, dof_);
   result.residual.resize(samples(), dof_);
   for (int f = 0; f < folds_; ++f) {
-    const SampleRanges& spells = fold_spells_[static_cast<size_t>(f)];
+    const SampleRanges& segments = fold_segments_[static_cast<size_t>(f)];
     const Eigen::LDLT<MatrixXd>& normal = fold_normal_[static_cast<size_t>(f)];
     // The unknowns are eliminated before the extra columns (Schur complement).
     MatrixXd mixed = MatrixXd::Zero(c, p), extra = MatrixXd::Identity(p, p);
     VectorXd right = explained;
-    for (const auto& [begin, end] : spells) {
+    for (const auto& [begin, end] : segments) {
       const auto q = q_.middleRows(begin * dof_, (end - begin) * dof_);
       const auto z = remainder.middleRows(begin * dof_, (end - begin) * dof_);
       mixed.noalias() -= q.transpose() * z;
@@ -226,7 +226,7 @@ ResidualModel::HeldOut ResidualModel::CrossValidate(const MatrixXd& remainder) c
       move_extra = (extra - mixed.transpose() * eliminated).ldlt().solve(right - mixed.transpose() * move);
       move -= eliminated * move_extra;
     }
-    for (const auto& [begin, end] : spells) {
+    for (const auto& [begin, end] : segments) {
       const VectorXd rest = residual_.segment(begin * dof_, (end - begin) * dof_) -
                             q_.middleRows(begin * dof_, (end - begin) * dof_) * move -
                             remainder.middleRows(begin * dof_, (end - begin) * dof_) * move_extra;

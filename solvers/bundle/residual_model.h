@@ -6,7 +6,7 @@
 //
 //   explained      |Z'+ r|^2, the decrease of the sum of squares (score test, one step from the minimum)
 //   statistic      s' S^-1 s of the scores s = Z'^T r with the long-run covariance S of what the effect leaves (Wald:
-//                  with the effect's own torque in S, one that acts in short spells would hide itself), which knows
+//                  with the effect's own torque in S, one that acts in short segments would hide itself), which knows
 //                  that residuals are correlated in time and between joints (core/statistics/long_run_covariance.h); as
 //                  F with (p, m - p) degrees, m = (sum h)^2 / sum h^2 the number of pieces, of the length of the
 //                  correlation, from which the effect is told: an effect of one segment, however large, is
@@ -96,8 +96,8 @@ class ResidualModel {
   // Of each fold: the unknowns' normal matrix on the other folds, and its right side.
   std::vector<Eigen::LDLT<Eigen::MatrixXd>> fold_normal_;
   std::vector<Eigen::VectorXd> fold_right_;
-  // Spells of samples [begin, end) of each fold.
-  std::vector<SampleRanges> fold_spells_;
+  // Segments of samples [begin, end) of each fold.
+  std::vector<SampleRanges> fold_segments_;
   Eigen::MatrixXd drive_;                   // n x n: signal of a torque
   std::vector<Eigen::MatrixXd> of_torque_;  // BundleProblem::Rows
   std::vector<Eigen::MatrixXd> to_torque_;  // inverse

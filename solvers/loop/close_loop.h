@@ -42,7 +42,7 @@ namespace idim {
 
 struct LoopRival {
   ActiveEffect effect;
-  double validation_error_percent = -1.0;  // of the folds, with it in place of the chosen one
+  double held_out_error_percent = -1.0;  // of the folds, with it in place of the chosen one
 };
 
 // A parameter that moved by more than its 95 % interval when an effect was added.

@@ -96,7 +96,7 @@ Result<EffectFit> AddKnown(const EffectFit& from, const std::vector<ActiveEffect
 bool HaveConverged(const EffectFit& fit) {
   for (int k = 0; k < fit.data.num_unknowns(); ++k) {
     if (fit.data.unknowns[k].kind != ParameterKind::kEffectShape) continue;
-    if (std::abs(fit.summary.values[k]) > kShapeSettled * std::sqrt(fit.summary.covariance(k, k))) return false;
+    if (std::abs(fit.summary.values[k]) > kShapeConverged * std::sqrt(fit.summary.covariance(k, k))) return false;
   }
   return true;
 }

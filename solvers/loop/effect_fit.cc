@@ -18,8 +18,8 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int kMaxRounds = 8;
-// Without a value that is this many standard deviations from zero nothing tells a shape.
-constexpr double kTold = 2.0;
+// Of the largest t of its values: below this a shape is not identifiable.
+constexpr double kMinAbsT = 2.0;
 constexpr int kHalvings = 3;
 
 // The values of `from` by name. Unknowns that it does not have begin at zero, and so do steps of shapes: those of
@@ -78,9 +78,10 @@ Move MoveOf(const EffectFit& fit, const std::vector<EffectMotion>& motions) {
     ActiveEffect& active = move.effects[e];
     const std::vector<ShapeParameter> shapes = active.effect->Shapes(motions, active.joints);
     const auto [at, linear, free] = unknowns.effect(e);
-    double told = 0.0;
+    double largest_t = 0.0;
     for (Index k = 0; k < linear; ++k) {
-      told = std::max(told, std::abs(fit.summary.values[at + k]) / std::sqrt(fit.summary.covariance(at + k, at + k)));
+      largest_t =
+          std::max(largest_t, std::abs(fit.summary.values[at + k]) / std::sqrt(fit.summary.covariance(at + k, at + k)));
     }
     for (Index s = 0; s < free; ++s) {
       const Index unknown = at + linear + s;
@@ -89,12 +90,13 @@ Move MoveOf(const EffectFit& fit, const std::vector<EffectMotion>& motions) {
       const double reach = 0.5 * std::max(std::abs(active.shape[s]), 1e-3 * (shapes[s].upper - shapes[s].lower));
       const double step = std::clamp(fit.summary.values[unknown], -reach, reach);
       const double next = shapes[s].Within(active.shape[s], active.shape[s] + step);
-      const bool at_limit = next == active.shape[s] && std::abs(step) > kShapeSettled * deviation;
+      const bool at_limit = next == active.shape[s] && std::abs(step) > kShapeConverged * deviation;
       if (at_limit || deviation > shapes[s].upper - shapes[s].lower) move.stuck[e] = true;
       move.distance[e] = std::max(move.distance[e], std::abs(next - active.shape[s]) / deviation);
       active.shape[s] = next;
     }
-    active.values = told > kTold && !active.held ? VectorXd(fit.summary.values.segment(at, linear)) : VectorXd();
+    active.values =
+        largest_t > kMinAbsT && !active.held ? VectorXd(fit.summary.values.segment(at, linear)) : VectorXd();
   }
   return move;
 }
@@ -167,7 +169,7 @@ Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& 
       }
       continue;
     }
-    if (largest >= kShapeSettled && !Backtrack(next, start, motions, &move)) {
+    if (largest >= kShapeConverged && !Backtrack(next, start, motions, &move)) {
       hold(static_cast<size_t>(farthest - move.distance.begin()));
       continue;
     }
@@ -176,7 +178,7 @@ Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& 
                    [](const auto& a, const auto& b) { return (a.values.size() > 0) == (b.values.size() > 0); });
     fit = std::move(next);
     fitted = true;
-    if (round > 0 && same_columns && largest < kShapeSettled) break;
+    if (round > 0 && same_columns && largest < kShapeConverged) break;
     now = std::move(move.effects);
   }
   if (!fitted) return Status::Untrusted("the bundle cannot be fitted with the shapes of the effects free or held");

@@ -13,8 +13,8 @@
 
 namespace idim {
 
-// Settled: no shape would move by more than this many of its standard deviations.
-inline constexpr double kShapeSettled = 0.1;
+// Converged: no shape would move by more than this many of its standard deviations.
+inline constexpr double kShapeConverged = 0.1;
 
 struct EffectFit {
   PreparedStudy prepared;  // with the effects
@@ -30,7 +30,7 @@ Result<EffectFit> FitDeclared(const PreparedStudy& prepared);
 
 // From the minimum of `from`, with other effects: those that it has keep their values and shapes, new ones begin at
 // zero with the shape given. Columns that rest on the model's torque are computed from the fit before, and shapes move
-// by Gauss-Newton, backtracking, until both have settled. A shape that the data do not tell, or that no step makes
+// by Gauss-Newton, backtracking, until both have converged. A shape that the data do not tell, or that no step makes
 // better, is held: other parameters are then conditional on it. Untrusted: the bundle says so.
 Result<EffectFit> Refit(const EffectFit& from, const std::vector<ActiveEffect>& effects);
 

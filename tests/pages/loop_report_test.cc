@@ -148,7 +148,7 @@ TEST_F(LoopReport, JsonIsTheContract) {
   const Json& rival = step.at("confusable_with").at(0);
   EXPECT_EQ(rival.at("effect"), "motor_coupling");
   EXPECT_THAT(rival.at("joints"), ElementsAre(1, 3));
-  EXPECT_EQ(rival.at("validation_error_percent"), 7.7);
+  EXPECT_EQ(rival.at("held_out_error_percent"), 7.7);
   EXPECT_THAT(step.at("how_to_confirm").get<std::string>(), HasSubstr("constant speeds"));
   ASSERT_EQ(step.at("ranking").size(), 3u);
   EXPECT_EQ(step.at("ranking").at(1).at("effect"), "stribeck");

@@ -5,6 +5,8 @@ function(idim_add_library name)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
   if(sources)
     add_library(idim_${name} STATIC ${sources})
+    # So that a shared library, such as a Python module, can link it.
+    set_target_properties(idim_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     set(scope PUBLIC)
     target_link_libraries(idim_${name} PRIVATE $<BUILD_INTERFACE:idim_compile_options>)
   else()

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Comments whose last word was left alone on a line of its own.
 
-    scripts/check_comments.py [FILE_OR_FOLDER...]    default: the sources of this repository
+    scripts/check_comments.py [--mend] [FILE_OR_FOLDER...]    default: the sources of this repository
 
 A finding is a // or # comment line of one word after a comment line that is full, that is, one that could not have
 taken the word as well: shorten the sentence by a word, or break it where it breathes. Prints "file:line: word" and
-ends with 1 where there is one.
+ends with 1 where there is one. --mend moves words down from the full line, from its last punctuation on; read what
+comes of it.
 """
 import pathlib
 import re
@@ -46,6 +47,22 @@ def findings(text, mark):
     return found
 
 
+def mended(text, mark):
+    """The text without findings: lines keep their number."""
+    lines = text.split("\n")
+    while True:
+        found = findings("\n".join(lines), mark)
+        if not found:
+            return "\n".join(lines)
+        at, word = found[0][0] - 1, found[0][1]
+        words = lines[at - 1].rstrip().split(" ")
+        # Where it breathes in the last third of the line, else three words.
+        ends = [k for k in range(1, len(words) - 1) if words[k][-1:] in ",;:." and len(" ".join(words[:k + 1])) > 70]
+        cut = ends[-1] + 1 if ends else len(words) - 3
+        lines[at - 1] = " ".join(words[:cut])
+        lines[at] = lines[at][:lines[at].index(word)] + " ".join(words[cut:] + [word])
+
+
 def sources(paths):
     for path in paths:
         path = pathlib.Path(path)
@@ -56,6 +73,8 @@ def sources(paths):
 
 
 def main(arguments):
+    mend = "--mend" in arguments
+    arguments = [argument for argument in arguments if argument != "--mend"]
     root = pathlib.Path(__file__).resolve().parent.parent
     paths = arguments or [root / folder for folder in FOLDERS]
     files = list(sources(paths))
@@ -63,6 +82,10 @@ def main(arguments):
         sys.exit("check_comments: no sources in " + " ".join(map(str, paths)))
     count = 0
     for file in files:
+        if mend:
+            text = file.read_text(encoding="utf-8")
+            if findings(text, MARKS[file.suffix]):
+                file.write_text(mended(text, MARKS[file.suffix]), encoding="utf-8")
         for number, word in findings(file.read_text(encoding="utf-8"), MARKS[file.suffix]):
             shown = file.relative_to(root) if file.is_relative_to(root) else file
             print(f"{shown}:{number}: '{word}' stands alone")

@@ -1,6 +1,8 @@
 # Warnings are errors. No -march above the x86-64 baseline: Debian's Ceres is built with 16-byte Eigen alignment.
 add_library(idim_compile_options INTERFACE)
 target_compile_options(idim_compile_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Werror)
+# Position-independent functions would else not be inlined where they are defined: nobody replaces them at load time.
+target_compile_options(idim_compile_options INTERFACE -fno-semantic-interposition)
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 
 option(IDIM_SANITIZE "AddressSanitizer and UndefinedBehaviorSanitizer" OFF)

@@ -34,3 +34,4 @@ endforeach()
 
 run(${CMAKE_COMMAND} --build ${work}/build)
 run(${work}/build/consumer)
+run(${work}/build/module_user)

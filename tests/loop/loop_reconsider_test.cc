@@ -1,5 +1,4 @@
-// Effects tried again beside all others, on models that are tables (tests/support/scripted_model.h): dropped, replaced,
-// kept.
+// Effects tried again beside all others, on models that are tables (tests/support/scripted_model.h).
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,7 @@
 // The TX-40 with gains to be identified, noise on signals and joint states, payload mass known: bias, spread and
 // coverage of the bundle beside LS and TLS on the same draws.
 //
-// The suite takes a part of the figure's samples and runs; the figure itself, of 2 x 1500 decimated samples, is a
-// campaign.
+// The suite takes a part of the figure's samples and runs; the figure, of 2 x 1500 decimated samples, is a campaign.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,6 +7,7 @@
 
 #include "apps/program.h"
 #include "core/base/file.h"
+#include "core/effects/simulated_effects.h"
 #include "core/simulation/scenario.h"
 #include "core/simulation/simulate_scenario.h"
 
@@ -15,7 +16,7 @@ DEFINE_string(output, "", "Directory for the recordings, study.yaml, robot.yaml 
 namespace {
 
 idim::Status Run(const std::string& scenario_path) {
-  const idim::Result<idim::Scenario> scenario = idim::ReadScenario(scenario_path);
+  const idim::Result<idim::Scenario> scenario = idim::ReadScenario(scenario_path, idim::EffectEquations());
   if (!scenario.ok()) return scenario.status();
   const idim::Result<std::vector<idim::OutputFile>> files = idim::RenderScenario(*scenario);
   if (!files.ok()) return files.status();

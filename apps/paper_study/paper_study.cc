@@ -9,6 +9,7 @@
 #include "apps/paper_study/page.h"
 #include "apps/program.h"
 #include "core/base/file.h"
+#include "core/effects/simulated_effects.h"
 
 DEFINE_string(study, "datasets/paper_study",
               "Directory with scenario.yaml, discussion.md and paper/; README.md goes there");
@@ -23,7 +24,8 @@ Status Run() {
   if (!tables.ok()) return tables.status();
   const idim::Result<std::string> discussion = idim::ReadFile(FLAGS_study + "/discussion.md");
   if (!discussion.ok()) return discussion.status();
-  const idim::Result<idim::Scenario> scenario = idim::ReadScenario(FLAGS_study + "/scenario.yaml");
+  const idim::Result<idim::Scenario> scenario =
+      idim::ReadScenario(FLAGS_study + "/scenario.yaml", idim::EffectEquations());
   if (!scenario.ok()) return scenario.status();
   const idim::Result<idim::PaperStudy> paper = idim::RunPaperStudy(*scenario, idim::kPaperRatio);
   if (!paper.ok()) return paper.status();

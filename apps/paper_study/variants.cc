@@ -99,7 +99,7 @@ Result<std::vector<Recording>> Logs(const Scenario& scenario, const std::vector<
     noise.signal_percent *= options.size;
     Truth truth = truths[r];
     if (options.disturbance != Disturbance::kWhite) {
-      const VectorXd sigma = SignalNoise(truth, noise);
+      const VectorXd sigma = AddedSignalNoise(truth, noise);
       noise.signal_percent.setZero();
       Recording clean;
       clean.t = truth.t;

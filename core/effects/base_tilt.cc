@@ -10,9 +10,11 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 
 #include "core/effects/columns.h"
 #include "core/effects/registry.h"
+#include "core/simulation/effect_equation.h"
 
 namespace idim {
 namespace {
@@ -21,6 +23,34 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+
+constexpr char kId[] = "base_tilt";
+
+// angle_1, angle_2 [rad]: gravity turned by the rotation vector angle_1 e1 + angle_2 e2. e1 is the base's x axis made
+// normal to gravity g (y where g lies along x), e2 = e1 x g / |g| (y for gravity along -z).
+class BaseTiltEquation : public EffectEquation {
+ public:
+  BaseTiltEquation()
+      : EffectEquation(kId, EffectJoints::kNone,
+                       {EffectKey::From(-M_PI, M_PI, "angle_1", 1).Optional(),
+                        EffectKey::From(-M_PI, M_PI, "angle_2", 1).Optional()},
+                       {"angle_1", "angle_2"}) {}
+  std::string Problem(const SimulatedEffect&, const Robot& robot) const override {
+    return robot.gravity.isZero() ? "the robot has no gravity to be tilted" : "";
+  }
+
+  std::map<std::string, double> DrawValues(double, Random* random) const override {
+    return {{"angle_1", random->Uniform(-0.05, 0.05)}, {"angle_2", random->Uniform(-0.05, 0.05)}};
+  }
+
+  void TurnGravity(const SimulatedEffect& effect, Vector3d* gravity) const override {
+    const Vector3d down = gravity->normalized();
+    const Vector3d start = std::abs(down.x()) < 0.9 ? Vector3d::UnitX() : Vector3d::UnitY();
+    const Vector3d e1 = (start - start.dot(down) * down).normalized();
+    const Vector3d turn = effect.Value("angle_1") * e1 + effect.Value("angle_2") * e1.cross(down);
+    if (!turn.isZero(0.0)) *gravity = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * *gravity;
+  }
+};
 
 // Axes of the base, increasing: all but that nearest to gravity.
 std::array<int, 2> TiltAxes(const Robot& robot) {
@@ -36,7 +66,7 @@ bool AxisOneHidesMoments(const Robot& robot) {
 
 class BaseTilt : public Effect {
  public:
-  std::string id() const override { return "base_tilt"; }
+  std::string id() const override { return kId; }
   EffectSite site() const override { return EffectSite::kArm; }
   std::string physics() const override {
     return "Gravity is not along the declared axis of the base: a floor or pedestal out of level, a frame turned in "
@@ -84,6 +114,11 @@ class BaseTilt : public Effect {
     }
     return entries;
   }
+
+  const EffectEquation* equation() const override { return &equation_; }
+
+ private:
+  const BaseTiltEquation equation_;
 };
 
 }  // namespace

@@ -15,4 +15,6 @@ std::vector<ShapeParameter> Effect::Shapes(const std::vector<EffectMotion>&, con
   return {};
 }
 
+Eigen::VectorXd Effect::TrueShape(const SimulatedEffect&, const Scenario&) const { return {}; }
+
 }  // namespace idim

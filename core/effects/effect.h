@@ -10,7 +10,9 @@
 // friction: an effect is a small part of the torque, and the noise a small part of that.
 //
 // Declared friction is the same kind of object (ids viscous, coulomb, offset), its columns those of
-// core/dynamics/standard_model.h. Adding an effect: one file with its class, one line in registry.h.
+// core/dynamics/standard_model.h. Adding an effect: one file of its id with the class of its columns and, beside it,
+// that of its equation in the time domain; one line in registry.h. The equation calls nothing of the columns, so that a
+// simulation tries them (tests/effects/effect_sources_test.cc); its id stands nowhere else.
 
 #ifndef IDIM_CORE_EFFECTS_EFFECT_H_
 #define IDIM_CORE_EFFECTS_EFFECT_H_
@@ -24,6 +26,10 @@
 #include "core/robot/robot.h"
 
 namespace idim {
+
+class EffectEquation;    // core/simulation/effect_equation.h
+struct SimulatedEffect;  // there too
+struct Scenario;         // core/simulation/scenario.h
 
 // What an effect sees of one recording: N instants, n joints. MakeEffectMotion() of core/effects/effect_motion.h fills
 // it.
@@ -105,6 +111,14 @@ class Effect {
   // shape: one value a shape parameter (CHECK).
   virtual std::vector<EffectEntry> Columns(const EffectMotion& motion, const std::vector<int>& joints,
                                            const Eigen::VectorXd& shape) const = 0;
+  // Its shapes count recordings of the study (recording r and a fraction of it): other limits, other data, of no
+  // meaning in another study. The effect is one of a single recording.
+  virtual bool shapes_count_recordings() const { return false; }
+
+  // What simulation has for it, never freed; nullptr where the standard model has it.
+  virtual const EffectEquation* equation() const { return nullptr; }
+  // The shape at which the columns are those of a simulated effect of this equation; empty for an effect without shape.
+  virtual Eigen::VectorXd TrueShape(const SimulatedEffect& effect, const Scenario& scenario) const;
 };
 
 // All effects, the declared friction first, then those of the contract in its order. Never freed.

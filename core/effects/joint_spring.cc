@@ -4,13 +4,32 @@
 
 #include "core/effects/columns.h"
 #include "core/effects/registry.h"
+#include "core/simulation/effect_equation.h"
 
 namespace idim {
 namespace {
 
+constexpr char kId[] = "joint_spring";
+
+// stiffness [N m/rad], rest [rad]: stiffness (q - rest), on the link's side.
+class JointSpringEquation : public EffectEquation {
+ public:
+  JointSpringEquation()
+      : EffectEquation(kId, EffectJoints::kOneOrMore,
+                       {EffectKey::Any("stiffness", 1), EffectKey::Any("rest").Optional()}) {}
+
+  std::map<std::string, double> DrawValues(double, Random* random) const override {
+    return {{"stiffness", 2.0}, {"rest", random->Uniform(-1.0, 1.0)}};
+  }
+
+  void AddLinkTorque(const SimulatedEffect& effect, const JointState& links, Eigen::VectorXd* torque) const override {
+    for (int j : effect.joints) (*torque)[j] += effect.Value("stiffness") * (links.q[j] - effect.Value("rest"));
+  }
+};
+
 class JointSpring : public Effect {
  public:
-  std::string id() const override { return "joint_spring"; }
+  std::string id() const override { return kId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kPosition; }
   std::string physics() const override {
@@ -31,6 +50,11 @@ class JointSpring : public Effect {
     CHECK_EQ(shape.size(), 0);
     return {{0, OnlyJoint(joints), motion.q.col(joints[0])}};
   }
+
+  const EffectEquation* equation() const override { return &equation_; }
+
+ private:
+  const JointSpringEquation equation_;
 };
 
 }  // namespace

@@ -11,13 +11,42 @@
 #include "core/dynamics/standard_model.h"
 #include "core/effects/columns.h"
 #include "core/effects/registry.h"
+#include "core/simulation/effect_equation.h"
 
 namespace idim {
 namespace {
 
+constexpr char kId[] = "motor_coupling";
+
+// joints a, b; inertia [kg m^2], viscous [N m s/rad], coulomb [N m]: on a inertia ddq_b + viscous dq_b
+// + coulomb sign(dq_a + dq_b), on b likewise with a (what eq. (25) of Gautier & Briot adds).
+class MotorCouplingEquation : public EffectEquation {
+ public:
+  MotorCouplingEquation()
+      : EffectEquation(kId, EffectJoints::kTwo,
+                       {EffectKey::Any("inertia", 1).Optional(), EffectKey::Any("viscous", 1).Optional(),
+                        EffectKey::Any("coulomb", 1).Optional()},
+                       {"inertia", "viscous", "coulomb"}) {}
+
+  std::map<std::string, double> DrawValues(double, Random* random) const override {
+    return {{"inertia", random->Uniform(0.02, 0.1)},
+            {"viscous", random->Uniform(0.1, 0.5)},
+            {"coulomb", random->Uniform(0.1, 0.5)}};
+  }
+
+  void AddMotorTorque(const SimulatedEffect& effect, const Robot&, const JointState& motor,
+                      Eigen::VectorXd* torque) const override {
+    const int a = effect.joints[0], b = effect.joints[1];
+    const double dry = effect.Value("coulomb") * SignOf(motor.dq[a] + motor.dq[b]);
+    const double inertia = effect.Value("inertia"), viscous = effect.Value("viscous");
+    (*torque)[a] += inertia * motor.ddq[b] + viscous * motor.dq[b] + dry;
+    (*torque)[b] += inertia * motor.ddq[a] + viscous * motor.dq[a] + dry;
+  }
+};
+
 class MotorCoupling : public Effect {
  public:
-  std::string id() const override { return "motor_coupling"; }
+  std::string id() const override { return kId; }
   EffectSite site() const override { return EffectSite::kJointPair; }
   std::string physics() const override {
     return "Two drives share inertia and friction: a motor whose shaft passes the other joint's gear turns with both.";
@@ -54,12 +83,16 @@ class MotorCoupling : public Effect {
             {2, b, sign}};
   }
 
+  const EffectEquation* equation() const override { return &equation_; }
+
  private:
   static void Check(const std::vector<int>& joints) {
     CHECK_EQ(joints.size(), 2u);
     CHECK_GE(joints[0], 0);
     CHECK_LT(joints[0], joints[1]);
   }
+
+  const MotorCouplingEquation equation_;
 };
 
 }  // namespace

@@ -8,8 +8,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "core/effects/columns.h"
 #include "core/effects/registry.h"
+#include "core/simulation/effect_equation.h"
+#include "core/simulation/scenario.h"
 
 namespace idim {
 namespace {
@@ -18,14 +21,40 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr char kId[] = "payload_change";
+
+// M [kg], x, y, z [m], from [s]: a point mass M at (x, y, z) on the last link from then on.
+class PayloadChangeEquation : public EffectEquation {
+ public:
+  PayloadChangeEquation()
+      : EffectEquation(kId, EffectJoints::kNone,
+                       {EffectKey::Any("M", 1), EffectKey::Any("x").Optional(), EffectKey::Any("y").Optional(),
+                        EffectKey::Any("z").Optional(), EffectKey::From(0.0, kLargestInput, "from").Optional()}) {}
+
+  std::map<std::string, double> DrawValues(double duration, Random* random) const override {
+    return {{"M", 0.5},
+            {"x", random->Uniform(-0.1, 0.1)},
+            {"y", random->Uniform(-0.1, 0.1)},
+            {"z", random->Uniform(0.0, 0.2)},
+            {"from", duration * (random->Uniform() < 0.5 ? 0.0 : random->Uniform(0.2, 0.8))}};
+  }
+
+  void AddPayload(const SimulatedEffect& effect, double t, InertialVector* payload) const override {
+    if (t < effect.Value("from")) return;
+    *payload += InertialFromCentreOfMass(effect.Value("M"), {effect.Value("x"), effect.Value("y"), effect.Value("z")},
+                                         Eigen::Matrix3d::Zero());
+  }
+};
+
 constexpr int kInstants = 8;  // a recording, on the grid
 constexpr int kFirst = kMX;   // MX MY MZ M are neighbours among the ten
 constexpr int kCount = 4;
 
 class PayloadChange : public Effect {
  public:
-  std::string id() const override { return "payload_change"; }
+  std::string id() const override { return kId; }
   EffectSite site() const override { return EffectSite::kArm; }
+  bool shapes_count_recordings() const override { return true; }
   std::string physics() const override {
     return "A body that the study does not declare is on the last link from some instant of a recording on: something "
            "picked up, dropped, mounted.";
@@ -81,6 +110,17 @@ class PayloadChange : public Effect {
     }
     return entries;
   }
+
+  VectorXd TrueShape(const SimulatedEffect& effect, const Scenario& scenario) const override {
+    int r = 0;
+    while (scenario.recordings.at(static_cast<size_t>(r)).name != effect.recording) ++r;
+    return VectorXd::Constant(1, r + effect.Value("from") / DurationOf(scenario.recordings[static_cast<size_t>(r)]));
+  }
+
+  const EffectEquation* equation() const override { return &equation_; }
+
+ private:
+  const PayloadChangeEquation equation_;
 };
 
 }  // namespace

@@ -18,6 +18,7 @@
 
 #include "core/effects/columns.h"
 #include "core/effects/registry.h"
+#include "core/simulation/effect_equation.h"
 
 namespace idim {
 namespace {
@@ -25,13 +26,37 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
+constexpr char kId[] = "presliding";
+
+// displacement x [rad]: Dahl's bristle y, dy/dt = (dq / x) (1 - sign(dq) y), at rest y = 0; the direction s of all dry
+// friction of the joint (Fs and that of effects) is y.
+class PreslidingEquation : public EffectEquation {
+ public:
+  PreslidingEquation() : EffectEquation(kId, EffectJoints::kOneOrMore, {EffectKey::Positive("displacement", 1)}) {}
+  bool once_a_joint() const override { return true; }
+  bool needs_coulomb_friction() const override { return true; }
+
+  std::map<std::string, double> DrawValues(double, Random* random) const override {
+    return {{"displacement", random->LogUniform(1e-3, 0.1)}};
+  }
+  // A joint at rest holds its torque however small the displacement: the share has no power law to follow.
+  bool share_follows_size() const override { return false; }
+
+  bool has_bristle() const override { return true; }
+  // The equation solved for a way in one direction.
+  double MoveBristle(const SimulatedEffect& effect, double bristle, double way) const override {
+    const double end = SignOf(way);
+    return end + (bristle - end) * std::exp(-std::abs(way) / effect.Value("displacement"));
+  }
+};
+
 double Play(const EffectMotion& motion, int joint) {
   return motion.position_sigma.size() == 0 ? 0.0 : 3.0 * motion.position_sigma[joint];
 }
 
 class Presliding : public Effect {
  public:
-  std::string id() const override { return "presliding"; }
+  std::string id() const override { return kId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
   bool non_negative() const override { return true; }
@@ -80,6 +105,15 @@ class Presliding : public Effect {
     }
     return {{0, joint, column}};
   }
+
+  VectorXd TrueShape(const SimulatedEffect& effect, const Scenario&) const override {
+    return VectorXd::Constant(1, effect.Value("displacement"));
+  }
+
+  const EffectEquation* equation() const override { return &equation_; }
+
+ private:
+  const PreslidingEquation equation_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The list of effects. A new one: its file, which defines Make<Name>(), and its line here.
+// The list of effects. A new one: its file <id>.cc, which defines Make<Name>(), and its line here.
 
 #ifndef IDIM_CORE_EFFECTS_REGISTRY_H_
 #define IDIM_CORE_EFFECTS_REGISTRY_H_

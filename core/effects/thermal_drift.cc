@@ -3,17 +3,46 @@
 
 #include <glog/logging.h>
 
+#include <cmath>
+
 #include "core/effects/columns.h"
 #include "core/effects/registry.h"
+#include "core/simulation/effect_equation.h"
 
 namespace idim {
 namespace {
 
 using Eigen::VectorXd;
 
+constexpr char kId[] = "thermal_drift";
+
+// viscous_share, coulomb_share, time_constant [s]: viscous (and power) friction of the joint, or its dry friction,
+// times 1 + share (1 - exp(-t / time_constant)); t begins anew in every recording.
+class ThermalDriftEquation : public EffectEquation {
+ public:
+  ThermalDriftEquation()
+      : EffectEquation(
+            kId, EffectJoints::kOneOrMore,
+            {EffectKey::Above(-1.0, 10.0, "viscous_share", 1).Alternative(),
+             EffectKey::Above(-1.0, 10.0, "coulomb_share", 1).Alternative(), EffectKey::Positive("time_constant")},
+            {"viscous_share", "coulomb_share"}) {}
+
+  std::map<std::string, double> DrawValues(double duration, Random* random) const override {
+    return {{"viscous_share", -random->Uniform(0.1, 0.5)},
+            {"coulomb_share", -random->Uniform(0.05, 0.3)},
+            {"time_constant", duration * random->LogUniform(0.15, 1.0)}};
+  }
+
+  void ScaleFriction(const SimulatedEffect& effect, double t, double* viscous, double* dry) const override {
+    const double warm = 1.0 - std::exp(-t / effect.Value("time_constant"));
+    *viscous *= 1.0 + effect.Value("viscous_share") * warm;
+    *dry *= 1.0 + effect.Value("coulomb_share") * warm;
+  }
+};
+
 class ThermalDrift : public Effect {
  public:
-  std::string id() const override { return "thermal_drift"; }
+  std::string id() const override { return kId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
   std::string physics() const override {
@@ -51,6 +80,15 @@ class ThermalDrift : public Effect {
     return {{0, joint, motion.dq.col(joint).cwiseProduct(warm)},
             {1, joint, ExpectedSigns(motion, joint).cwiseProduct(warm)}};
   }
+
+  VectorXd TrueShape(const SimulatedEffect& effect, const Scenario&) const override {
+    return VectorXd::Constant(1, effect.Value("time_constant"));
+  }
+
+  const EffectEquation* equation() const override { return &equation_; }
+
+ private:
+  const ThermalDriftEquation equation_;
 };
 
 }  // namespace

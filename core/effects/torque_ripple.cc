@@ -12,12 +12,45 @@
 
 #include "core/effects/columns.h"
 #include "core/effects/registry.h"
+#include "core/simulation/effect_equation.h"
+#include "core/simulation/scenario.h"
 
 namespace idim {
 namespace {
 
 using Eigen::ArrayXd;
 using Eigen::VectorXd;
+
+constexpr char kId[] = "torque_ripple";
+
+// amplitude [N m], phase [rad], order or motor_order: amplitude cos(order q + phase), q the motor's position in joint
+// coordinates, or cos(motor_order (T q)_j + phase), T the transmission.
+class TorqueRippleEquation : public EffectEquation {
+ public:
+  TorqueRippleEquation()
+      : EffectEquation(kId, EffectJoints::kOneOrMore,
+                       {EffectKey::Any("amplitude", 1), EffectKey::Any("phase").Optional(),
+                        EffectKey::Positive("order").Alternative(), EffectKey::Positive("motor_order").Alternative()},
+                       {"order", "motor_order"}) {}
+  std::string Problem(const SimulatedEffect& effect, const Robot&) const override {
+    const bool both = effect.values.count("order") + effect.values.count("motor_order") == 2;
+    return both ? "order and motor_order are both given, only one of them can be" : "";
+  }
+
+  std::map<std::string, double> DrawValues(double, Random* random) const override {
+    return {{"amplitude", 1.0}, {"phase", random->Uniform(-M_PI, M_PI)}, {"order", random->LogUniform(5.0, 25.0)}};
+  }
+
+  void AddMotorTorque(const SimulatedEffect& effect, const Robot& robot, const JointState& motor,
+                      VectorXd* torque) const override {
+    const bool of_motor = effect.values.count("motor_order") > 0;
+    const VectorXd turns = of_motor ? VectorXd(robot.transmission * motor.q) : motor.q;
+    const double order = effect.Value(of_motor ? "motor_order" : "order");
+    for (int j : effect.joints) {
+      (*torque)[j] += effect.Value("amplitude") * std::cos(order * turns[j] + effect.Value("phase"));
+    }
+  }
+};
 
 constexpr double kLargestOrder = 300.0;            // above it: only the orders of the motor
 constexpr double kLargestOrderPrismatic = 3000.0;  // [rad/m], a pitch of 2 mm
@@ -35,7 +68,7 @@ double SamplingRate(const std::vector<EffectMotion>& motions) {
 
 class TorqueRipple : public Effect {
  public:
-  std::string id() const override { return "torque_ripple"; }
+  std::string id() const override { return kId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kPosition; }
   std::string physics() const override {
@@ -90,6 +123,17 @@ class TorqueRipple : public Effect {
     const ArrayXd angle = shape[0] * motion.q.col(joint).array();
     return {{0, joint, angle.cos()}, {1, joint, angle.sin()}};
   }
+
+  VectorXd TrueShape(const SimulatedEffect& effect, const Scenario& scenario) const override {
+    if (effect.values.count("motor_order") == 0) return VectorXd::Constant(1, effect.Value("order"));
+    const int joint = OnlyJoint(effect.joints);
+    return VectorXd::Constant(1, effect.Value("motor_order") * std::abs(scenario.robot.transmission(joint, joint)));
+  }
+
+  const EffectEquation* equation() const override { return &equation_; }
+
+ private:
+  const TorqueRippleEquation equation_;
 };
 
 }  // namespace

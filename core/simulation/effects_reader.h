@@ -9,7 +9,7 @@
 namespace idim::internal {
 
 // All else of the scenario has been read. An undefined node: no effects. `file` keeps a failure.
-void ReadEffects(YamlFile* file, const YAML::Node& node, Scenario* scenario);
+void ReadEffects(YamlFile* file, const YAML::Node& node, const EffectEquationList& equations, Scenario* scenario);
 
 }  // namespace idim::internal
 

@@ -20,7 +20,7 @@ constexpr int kMostTrials = 30;
 
 SimulatedEffect Scaled(const SimulatedEffect& effect, double factor) {
   SimulatedEffect scaled = effect;
-  for (const SimulatedEffectKey& key : FindSimulatedEffect(effect.id)->keys) {
+  for (const EffectKey& key : effect.equation->keys()) {
     const auto value = scaled.values.find(key.name);
     if (value != scaled.values.end()) value->second *= std::pow(factor, key.size_power);
   }
@@ -59,7 +59,7 @@ Status ScaleEffect(Scenario* scenario, size_t k, double share) {
   const double step = scenario->effect_step;
   const auto failed = [&](const std::string& why) {
     scenario->effects[k] = given;
-    return Status::Untrusted(given.id + " cannot be given the share " + FormatNumber(share) + ": " + why);
+    return Status::Untrusted(given.equation->id() + " cannot be given the share " + FormatNumber(share) + ": " + why);
   };
   const Status valid = CheckEffects(*scenario);
   if (!valid.ok()) return failed(valid.message());

@@ -1,4 +1,8 @@
-// What a scenario's effects (core/simulation/effects.h) do to its recordings.
+// What a scenario's effects (core/simulation/effect_equation.h) do to its recordings.
+//
+// The motor follows the trajectory (the control loop is ideal) and is what is logged. Where a joint is flexible its
+// link is free and its motion is integrated, all flexible joints together (core/simulation/effects_drive_train.h). So
+// that nothing starts abruptly, simulation begins half a second before the recording.
 
 #ifndef IDIM_CORE_SIMULATION_EFFECTS_TRUTH_H_
 #define IDIM_CORE_SIMULATION_EFFECTS_TRUTH_H_
@@ -11,9 +15,9 @@
 
 namespace idim {
 
-// Each effect is valid and can be simulated with the scenario's parameters: recordings exist; presliding has a Coulomb
-// friction above 0; flexible links have inertia; an effect that cannot act twice on a joint does not. The message
-// begins with "effects[k]", k from 1.
+// Each effect is valid and can be simulated with the scenario's parameters: recordings exist; Coulomb friction is
+// above 0 where an equation needs it; flexible links have inertia; an effect that cannot act twice on a joint does not.
+// The message begins with "effects[k]", k from 1.
 Status CheckEffects(const Scenario& scenario);
 
 // How far effect k changes what is logged of each joint, n: norm of the noise-free signal with all effects less that

@@ -1,5 +1,6 @@
 #include "core/simulation/random.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace idim {
@@ -9,7 +10,18 @@ Random::Random(std::uint64_t seed, std::uint32_t stream) {
   engine_.seed(sequence);
 }
 
+Random Random::FromWords(std::initializer_list<std::uint32_t> words) {
+  std::seed_seq sequence(words);
+  Random random;
+  random.engine_.seed(sequence);
+  return random;
+}
+
 double Random::Uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
+
+double Random::LogUniform(double lower, double upper) { return lower * std::pow(upper / lower, Uniform()); }
+
+int Random::Below(int count) { return std::min(count - 1, static_cast<int>(count * Uniform())); }
 
 double Random::Normal() {
   constexpr double kTwoPi = 6.283185307179586476925;

@@ -17,7 +17,7 @@
 //   noise:                       # optional, see NoiseOptions
 //     {position: .., position_step: .., encoder_counts: .., signal: .., signal_percent: .., signal_step: ..}
 //   limits: {lower: [..], upper: [..], velocity: [..], acceleration: [..], jerk: [..]}    # see JointLimits
-//   effects:                     # optional: what the standard model lacks; ids, keys and laws: see effects.h
+//   effects:                     # optional: what the standard model lacks; see below
 //     - {id: stribeck, joints: [3], Fst: 2.0, vs: 0.1}
 //     - {id: payload_change, M: 0.5, z: 0.1, from: 4, recording: free}     # recording: in this one alone; default all
 //   recordings:
@@ -31,7 +31,8 @@
 //     - ...
 //       trajectory: {type: fourier, frequency: 0.1, duration: 10, blend: 1, harmonics: 5, fill: 0.95}
 //                   # or given: centre: [..], sine: [[..] a joint], cosine: [[..] a joint]
-// The meaning of a trajectory's keys is that of PointToPointOptions and FourierOptions.
+// The meaning of a trajectory's keys is that of PointToPointOptions and FourierOptions; equation and keys of an effect
+// stand in core/effects, in the file of its id.
 
 #ifndef IDIM_CORE_SIMULATION_SCENARIO_H_
 #define IDIM_CORE_SIMULATION_SCENARIO_H_
@@ -45,7 +46,7 @@
 #include "core/base/status.h"
 #include "core/recording/study.h"
 #include "core/robot/robot.h"
-#include "core/simulation/effects.h"
+#include "core/simulation/effect_equation.h"
 #include "core/simulation/simulate.h"
 #include "core/simulation/trajectory.h"
 
@@ -66,6 +67,11 @@ struct ScenarioRecording {
   std::shared_ptr<const Trajectory> trajectory;
 };
 
+// [s]
+inline double DurationOf(const ScenarioRecording& recording) {
+  return recording.duration > 0.0 ? recording.duration : recording.trajectory->duration();
+}
+
 struct Scenario {
   std::string path;
   std::string robot_path;
@@ -83,8 +89,9 @@ struct Scenario {
   double effect_step = 1e-4;  // [s] at which effects with memory are integrated between the recorded instants
 };
 
-// One message with file, line and key on bad input.
-Result<Scenario> ReadScenario(const std::string& yaml_path);
+// One message with file, line and key on bad input. `equations`: those that its effects may have, which outlive the
+// result.
+Result<Scenario> ReadScenario(const std::string& yaml_path, const EffectEquationList& equations);
 
 }  // namespace idim
 

@@ -199,7 +199,7 @@ void ReadOneRecording(YamlFile* file, const YAML::Node& node, const std::string&
   recording.trajectory = internal::ReadTrajectory(file, node["trajectory"], KeyPath(key, "trajectory"),
                                                   scenario->robot.dof(), limits, motion_seed);
   if (!file->ok()) return;
-  const double duration = recording.duration > 0.0 ? recording.duration : recording.trajectory->duration();
+  const double duration = DurationOf(recording);
   const double samples = std::floor(duration * scenario->truth.rate) + 1.0;
   if (samples < 2.0 || samples > kLargestSampleCount) {
     file->Fail(node, key, FormatNumber(duration) + " s at the given rate make " + FormatNumber(samples) + " samples",
@@ -210,7 +210,7 @@ void ReadOneRecording(YamlFile* file, const YAML::Node& node, const std::string&
 
 }  // namespace
 
-Result<Scenario> ReadScenario(const std::string& yaml_path) {
+Result<Scenario> ReadScenario(const std::string& yaml_path, const EffectEquationList& equations) {
   YamlFile file(yaml_path);
   if (!file.ok()) return file.status();
   const YAML::Node& root = file.root();
@@ -261,7 +261,7 @@ Result<Scenario> ReadScenario(const std::string& yaml_path) {
       ReadOneRecording(&file, root["recordings"][k], KeyPath("recordings", k), limits, &scenario);
     }
   }
-  internal::ReadEffects(&file, root["effects"], &scenario);
+  internal::ReadEffects(&file, root["effects"], equations, &scenario);
   if (!file.ok()) return file.status();
   return scenario;
 }

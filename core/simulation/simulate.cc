@@ -115,7 +115,7 @@ bool NoiseOptions::IsValid(int n, std::string* error) const {
   return error->empty();
 }
 
-Eigen::VectorXd SignalNoise(const Truth& truth, const NoiseOptions& options) {
+Eigen::VectorXd AddedSignalNoise(const Truth& truth, const NoiseOptions& options) {
   const Eigen::Index n = truth.signal.cols();
   const Eigen::VectorXd rms = (truth.signal.colwise().squaredNorm() / truth.signal.rows()).cwiseSqrt().transpose();
   const Eigen::VectorXd relative = 0.01 * OrZero(options.signal_percent, n).cwiseProduct(rms);
@@ -139,7 +139,7 @@ Recording AddNoise(const Truth& truth, const Robot& robot, const NoiseOptions& o
   } else {
     Quantise(&recording.q, OrZero(options.position_step, n));
   }
-  AddWhite(&recording.signal, SignalNoise(truth, options), &signal);
+  AddWhite(&recording.signal, AddedSignalNoise(truth, options), &signal);
   Quantise(&recording.signal, OrZero(options.signal_step, n));
   return recording;
 }

@@ -67,7 +67,7 @@ struct NoiseOptions {
 Recording AddNoise(const Truth& truth, const Robot& robot, const NoiseOptions& options, std::uint64_t seed);
 
 // The standard deviation of the signal noise that AddNoise() adds to each joint [signal unit], n; quantisation apart.
-Eigen::VectorXd SignalNoise(const Truth& truth, const NoiseOptions& options);
+Eigen::VectorXd AddedSignalNoise(const Truth& truth, const NoiseOptions& options);
 
 }  // namespace idim
 

@@ -174,10 +174,10 @@ Json TrueParameters(const Scenario& scenario, const BaseParameters& base) {
 Json ToJson(const SimulatedEffect& effect) {
   Json joints = Json::array();
   for (int j : effect.joints) joints.push_back(j + 1);
-  Json json = {{"effect", effect.id}, {"joints", joints}, {"values", Json::object()}};
-  for (const SimulatedEffectKey& key : FindSimulatedEffect(effect.id)->keys) {
-    const bool other_of_two = key.lower_allowed == false && !key.required && effect.values.count(key.name) == 0;
-    if (!other_of_two) json["values"][key.name] = effect.Value(key.name);
+  Json json = {{"effect", effect.equation->id()}, {"joints", joints}, {"values", Json::object()}};
+  for (const EffectKey& key : effect.equation->keys()) {
+    const bool given = effect.values.count(key.name) > 0;
+    if (given || key.default_written) json["values"][key.name] = effect.Value(key.name);
   }
   if (!effect.recording.empty()) json["recording"] = effect.recording;
   return json;
@@ -263,13 +263,13 @@ Result<std::vector<OutputFile>> RenderScenario(const Scenario& scenario) {
     const Truth truth = SimulateTruth(scenario, recording);
     files.push_back({recording.name + ".csv", RenderCsv(scenario, SimulateLog(scenario, recording, truth))});
     const Eigen::VectorXd rms = (truth.torque.colwise().squaredNorm() / truth.t.size()).cwiseSqrt().transpose();
-    json["recordings"].push_back(
-        {{"name", recording.name},
-         {"use", recording.use == Use::kValidation ? "validation" : "identification"},
-         {"samples", truth.t.size()},
-         {"rms_torque", ToList(rms)},
-         {"noise",
-          {{"position", ToList(PositionNoise(scenario))}, {"signal", ToList(SignalNoise(truth, scenario.noise))}}}});
+    json["recordings"].push_back({{"name", recording.name},
+                                  {"use", recording.use == Use::kValidation ? "validation" : "identification"},
+                                  {"samples", truth.t.size()},
+                                  {"rms_torque", ToList(rms)},
+                                  {"noise",
+                                   {{"position", ToList(PositionNoise(scenario))},
+                                    {"signal", ToList(AddedSignalNoise(truth, scenario.noise))}}}});
   }
   files.push_back({"study.yaml", RenderStudy(scenario)});
   files.push_back({"truth.json", json.dump(1) + "\n"});

@@ -49,8 +49,8 @@ std::vector<PlacedEffect> EffectsAt(const StatedModel& stated) {
   for (const ActiveEffect& active : stated.prepared.model.effects) {
     PlacedEffect declared{active.effect, active.joints, {}, stated.prepared.path() + ": " + EffectTitle(active)};
     const std::vector<ShapeParameter> shapes = ShapesAlong(stated.prepared, *active.effect, active.joints);
-    // Limits differ a little from run to run; recordings, by which payload_change counts, from those of the study.
-    for (size_t s = 0; s < shapes.size() && active.effect->id() != "payload_change"; ++s) {
+    // Limits differ a little from run to run; recordings, by which some count, from those of the study.
+    for (size_t s = 0; s < shapes.size() && !active.effect->shapes_count_recordings(); ++s) {
       const double margin = 0.01 * (shapes[s].upper - shapes[s].lower);
       const double start =
           std::clamp(active.shape[static_cast<Eigen::Index>(s)], shapes[s].lower + margin, shapes[s].upper - margin);

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/effects/simulated_effects.h"
 #include "core/robot/log_cholesky.h"
 #include "core/robot/robot_reader.h"
 #include "core/simulation/random.h"
@@ -158,7 +159,7 @@ class Tx40Plausible : public testing::Test {
     Result<PlausibleRequest> request = ReadPlausibleRequest(kTx40 + "base_parameters.yaml", base_);
     EXPECT_TRUE(request.ok()) << request.status().message();
     request_ = std::move(request).value();
-    Result<Scenario> scenario = ReadScenario(kTx40 + "scenario.yaml");
+    Result<Scenario> scenario = ReadScenario(kTx40 + "scenario.yaml", EffectEquations());
     EXPECT_TRUE(scenario.ok()) << scenario.status().message();
     scenario_ = std::move(scenario).value();
   }

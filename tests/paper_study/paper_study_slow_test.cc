@@ -7,6 +7,7 @@
 
 #include "apps/paper_study/page.h"
 #include "core/base/file.h"
+#include "core/effects/simulated_effects.h"
 #include "tests/support/browser.h"
 #include "tests/support/temp_folder.h"
 
@@ -16,7 +17,7 @@ namespace {
 const std::string kFolder = std::string(IDIM_SOURCE_DIR) + "/datasets/paper_study/";
 
 Result<PaperStudy> Run() {
-  const Result<Scenario> scenario = ReadScenario(kFolder + "scenario.yaml");
+  const Result<Scenario> scenario = ReadScenario(kFolder + "scenario.yaml", EffectEquations());
   if (!scenario.ok()) return scenario.status();
   return RunPaperStudy(*scenario, kPaperRatio);
 }

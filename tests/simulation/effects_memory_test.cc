@@ -8,9 +8,13 @@
 #include "core/simulation/effects_truth.h"
 #include "core/simulation/scenario.h"
 #include "core/simulation/simulate_scenario.h"
+#include "tests/support/given_effects.h"
 
 namespace idim {
 namespace {
+
+using testing::GivenEffect;
+using testing::Simulated;
 
 constexpr double kOmega = 2.0 * M_PI;  // [rad/s] of the sinusoids
 
@@ -59,8 +63,8 @@ Scenario OneJoint(std::shared_ptr<const Trajectory> trajectory, const Eigen::Vec
 
 const Eigen::Vector3d kNone(0.0, 0.0, -9.81), kAcross(0.0, -9.81, 0.0);
 
-Truth Simulate(Scenario scenario, const std::vector<SimulatedEffect>& effects) {
-  scenario.effects = effects;
+Truth Simulate(Scenario scenario, const std::vector<GivenEffect>& effects) {
+  scenario.effects = Simulated(effects);
   const Status status = CheckEffects(scenario);
   EXPECT_TRUE(status.ok()) << status.message();
   return SimulateTruth(scenario, scenario.recordings[0]);
@@ -105,8 +109,8 @@ TEST(Presliding, RemembersAtRestAndIsAStiffnessForASmallReturn) {
 
 // Other dry friction of the joint bends the same bristle.
 TEST(Presliding, CarriesStribeckFrictionToo) {
-  const std::vector<SimulatedEffect> both = {{"stribeck", {0}, {{"Fst", 1.0}, {"vs", 0.1}}, ""},
-                                             {"presliding", {0}, {{"displacement", 0.01}}, ""}};
+  const std::vector<GivenEffect> both = {{"stribeck", {0}, {{"Fst", 1.0}, {"vs", 0.1}}, ""},
+                                         {"presliding", {0}, {{"displacement", 0.01}}, ""}};
   const Truth truth = Simulate(OneJoint(OneMove(0.5), kNone, 2.0), both);
   EXPECT_EQ(truth.torque(0, 0), 0.0);
   EXPECT_NEAR(truth.torque(truth.t.size() - 1, 0), 3.0, 1e-9);  // Fs + Fst at rest after motion
@@ -205,10 +209,10 @@ TEST(Backlash, TransmitsNothingInTheGapAndTheMomentumOfAnImpact) {
 }
 
 TEST(Memory, HalfTheInternalStepChangesLittle) {
-  const std::vector<SimulatedEffect> effects = {{"presliding", {0}, {{"displacement", 0.01}}, ""},
-                                                {"joint_elasticity", {0}, {{"stiffness", 3000.0}}, ""},
-                                                {"backlash", {0}, {{"gap", 0.01}}, ""}};
-  for (const SimulatedEffect& effect : effects) {
+  const std::vector<GivenEffect> effects = {{"presliding", {0}, {{"displacement", 0.01}}, ""},
+                                            {"joint_elasticity", {0}, {{"stiffness", 3000.0}}, ""},
+                                            {"backlash", {0}, {{"gap", 0.01}}, ""}};
+  for (const GivenEffect& effect : effects) {
     Scenario scenario = OneJoint(Sinusoid(0.3, kOmega, 2.0), kAcross, 1.0);
     const Truth bare = Simulate(scenario, {});
     const Truth whole = Simulate(scenario, {effect});
@@ -222,8 +226,8 @@ TEST(Memory, HalfTheInternalStepChangesLittle) {
 // What is found at an instant does not depend on which others are asked for.
 TEST(Memory, DoesNotDependOnTheRecordedRate) {
   Scenario scenario = OneJoint(Sinusoid(0.3, kOmega, 1.0), kAcross, 1.0);
-  const std::vector<SimulatedEffect> effects = {{"presliding", {0}, {{"displacement", 0.01}}, ""},
-                                                {"joint_elasticity", {0}, {{"stiffness", 3000.0}}, ""}};
+  const std::vector<GivenEffect> effects = {{"presliding", {0}, {{"displacement", 0.01}}, ""},
+                                            {"joint_elasticity", {0}, {{"stiffness", 3000.0}}, ""}};
   const Truth fast = Simulate(scenario, effects);
   scenario.truth.rate = 200.0;
   const Truth slow = Simulate(scenario, effects);

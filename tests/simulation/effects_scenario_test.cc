@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/effects/simulated_effects.h"
 #include "core/simulation/effects_truth.h"
 #include "core/simulation/scenario.h"
 #include "core/simulation/simulate_scenario.h"
@@ -43,7 +44,7 @@ Result<Scenario> Read(const TempFolder& folder, const std::string& effect) {
   folder.Write("robot.yaml", kRobot);
   std::string text = kScenario;
   text.replace(text.find(kEffect), sizeof(kEffect) - 1, effect);
-  return ReadScenario(folder.Write("scenario.yaml", text));
+  return ReadScenario(folder.Write("scenario.yaml", text), EffectEquations());
 }
 
 TEST(ScenarioEffects, AreReadSimulatedAndWrittenToTheTruthAlone) {
@@ -140,6 +141,21 @@ TEST(ScenarioEffects, ThatCannotActTwiceDoNot) {
   EXPECT_NE(bad.status().message().find("effects[2]': time_delay acts on joint 1 already by effects[1]"),
             std::string::npos)
       << bad.status().message();
+}
+
+// The other recording has no flexible joint.
+TEST(ScenarioEffects, AFlexibleJointOfOneRecordingLeavesTheOthers) {
+  TempFolder folder;
+  const Result<Scenario> scenario = Read(folder, "{id: backlash, joints: [2], gap: 0.01, recording: free}");
+  ASSERT_TRUE(scenario.ok()) << scenario.status().message();
+  Scenario bare = *scenario;
+  bare.effects.clear();
+  const auto changed = [&](int recording) {
+    const ScenarioRecording& r = scenario->recordings[recording];
+    return (SimulateTruth(*scenario, r).torque - SimulateTruth(bare, r).torque).cwiseAbs().maxCoeff();
+  };
+  EXPECT_GT(changed(0), 0.1);
+  EXPECT_EQ(changed(1), 0.0);
 }
 
 // To first order in their sizes effects add up.

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "core/dynamics/base_parameters.h"
+#include "core/effects/simulated_effects.h"
 #include "core/simulation/simulate_scenario.h"
 
 namespace idim {
@@ -70,7 +71,7 @@ class InFolder : public testing::Test {
   }
 
   Scenario Read(const std::string& text) const {
-    Result<Scenario> scenario = ReadScenario(Write("scenario.yaml", text));
+    Result<Scenario> scenario = ReadScenario(Write("scenario.yaml", text), EffectEquations());
     EXPECT_TRUE(scenario.ok()) << scenario.status().message();
     return scenario.ok() ? std::move(scenario).value() : Scenario();
   }
@@ -223,7 +224,7 @@ TEST_F(ScenarioFile, ParametersMayBeInAFileOfTheirOwn) {
   const Eigen::VectorXd inside = Read(kScenario).chi;
   EXPECT_EQ(Read(text.substr(0, begin) + "parameters: truth.yaml\n" + text.substr(end)).chi, inside);
   Write("truth.yaml", Replaced(text.substr(begin, end - begin), "ZZ: 0.5", "ZZZ: 0.5"));
-  const auto bad = ReadScenario(folder_ / "scenario.yaml");
+  const auto bad = ReadScenario(folder_ / "scenario.yaml", EffectEquations());
   ASSERT_FALSE(bad.ok());
   EXPECT_NE(bad.status().message().find("truth.yaml:2: key 'parameters[1].ZZZ'"), std::string::npos)
       << bad.status().message();

@@ -169,7 +169,7 @@ TEST_F(Noise, HasTheLevelsAskedFor) {
   Eigen::VectorXd sigma(3);
   const auto rms = [&](int j) { return std::sqrt(truth_.signal.col(j).squaredNorm() / truth_.t.size()); };
   sigma << std::hypot(0.1, 0.05 * rms(0)), 0.1 * rms(1), 2.0;
-  EXPECT_TRUE(SignalNoise(truth_, options).isApprox(sigma, 1e-12));
+  EXPECT_TRUE(AddedSignalNoise(truth_, options).isApprox(sigma, 1e-12));
   ExpectWhite(log.signal - truth_.signal, sigma);
   Eigen::MatrixXd both(truth_.t.size(), 2);  // position and signal noise are independent too
   both << (log.q - truth_.q).col(0), (log.signal - truth_.signal).col(0);

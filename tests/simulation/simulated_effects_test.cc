@@ -1,18 +1,23 @@
 // Every simulated effect against a second route to the same physics: another robot, a closed form, an energy.
 
+#include "core/effects/simulated_effects.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
 #include <cmath>
 
 #include "core/base/decompositions.h"
-#include "core/simulation/effects.h"
 #include "core/simulation/effects_truth.h"
 #include "core/simulation/scenario.h"
 #include "core/simulation/simulate_scenario.h"
+#include "tests/support/given_effects.h"
 
 namespace idim {
 namespace {
+
+using testing::GivenEffect;
+using testing::Simulated;
 
 Robot ThreeJoints() {
   Robot robot;
@@ -70,8 +75,8 @@ Scenario ThreeJointArm(const Robot& robot = ThreeJoints()) {
   return s;
 }
 
-Scenario With(Scenario scenario, const std::vector<SimulatedEffect>& effects) {
-  scenario.effects = effects;
+Scenario With(Scenario scenario, const std::vector<GivenEffect>& effects) {
+  scenario.effects = Simulated(effects);
   const Status status = CheckEffects(scenario);
   EXPECT_TRUE(status.ok()) << status.message();
   return scenario;
@@ -81,14 +86,14 @@ Truth Simulate(const Scenario& scenario, int recording = 0) {
   return SimulateTruth(scenario, scenario.recordings[recording]);
 }
 
-Eigen::MatrixXd Extra(const Scenario& scenario, const std::vector<SimulatedEffect>& effects, int recording = 0) {
+Eigen::MatrixXd Extra(const Scenario& scenario, const std::vector<GivenEffect>& effects, int recording = 0) {
   return Simulate(With(scenario, effects), recording).torque - Simulate(scenario, recording).torque;
 }
 
 double Largest(const Eigen::MatrixXd& m) { return m.cwiseAbs().maxCoeff(); }
 
 // One of each id on joint 2 (of 1 and 2, of the arm), of a size that is seen.
-std::vector<SimulatedEffect> OneOfEach() {
+std::vector<GivenEffect> OneOfEach() {
   return {{"stribeck", {1}, {{"Fst", 2.0}, {"vs", 0.3}}, ""},
           {"power_viscous", {1}, {{"coefficient", 3.0}, {"exponent", 0.5}}, ""},
           {"asymmetric_friction", {1}, {{"viscous_difference", 1.0}, {"coulomb_difference", 0.7}}, ""},
@@ -107,10 +112,10 @@ std::vector<SimulatedEffect> OneOfEach() {
 }
 
 TEST(SimulatedEffects, AreThoseOfTheContractAndEachChangesTheSignalOfItsJoint) {
-  const std::vector<SimulatedEffect> all = OneOfEach();
-  ASSERT_EQ(SimulatedEffectKinds().size(), all.size());
+  const std::vector<GivenEffect> all = OneOfEach();
+  ASSERT_EQ(EffectEquations().size(), all.size());
   for (size_t k = 0; k < all.size(); ++k) {
-    EXPECT_EQ(SimulatedEffectKinds()[k].id, all[k].id);
+    EXPECT_EQ(EffectEquations()[k]->id(), all[k].id);
     const Scenario scenario = With(ThreeJointArm(), {all[k]});
     EXPECT_GT(EffectShare(scenario, 0), 1e-3) << all[k].id;
     // Positions are logged as without it.
@@ -120,16 +125,16 @@ TEST(SimulatedEffects, AreThoseOfTheContractAndEachChangesTheSignalOfItsJoint) {
 
 TEST(SimulatedEffects, OfSizeZeroLeaveTheTorque) {
   const Scenario bare = ThreeJointArm();
-  for (SimulatedEffect effect : OneOfEach()) {
+  for (GivenEffect effect : OneOfEach()) {
     if (effect.id == "presliding" || effect.id == "joint_elasticity" || effect.id == "backlash") continue;
-    for (const SimulatedEffectKey& key : FindSimulatedEffect(effect.id)->keys) {
+    for (const EffectKey& key : Simulated(effect).equation->keys()) {
       if (key.size_power == 1 && effect.values.count(key.name) > 0) effect.values[key.name] = 0.0;
     }
     EXPECT_LT(Largest(Simulate(With(bare, {effect})).signal - Simulate(bare).signal), 1e-12) << effect.id;
   }
 }
 
-TEST(FrictionEffects, StribeckIsHalfWhereItsLawSaysAndDissipates) {
+TEST(FrictionEffects, StribeckIsHalfWhereItsEquationSaysAndDissipates) {
   const Scenario bare = ThreeJointArm();
   const Truth truth = Simulate(bare);
   const Eigen::MatrixXd extra = Extra(bare, {{"stribeck", {2}, {{"Fst", 2.0}, {"vs", 0.5}}, ""}});
@@ -189,7 +194,7 @@ TEST(FrictionEffects, WarmFrictionIsThatOfAnotherArm) {
   Set(&warm, "Fv1", 4.0 * 0.6);
   Set(&warm, "Fs1", 3.0 * 0.9);
   const auto drift = [](double time) {
-    return SimulatedEffect{
+    return GivenEffect{
         "thermal_drift", {0}, {{"viscous_share", -0.4}, {"coulomb_share", -0.1}, {"time_constant", time}}, ""};
   };
   const Truth fast = Simulate(With(cold, {drift(0.01)}));
@@ -306,7 +311,7 @@ TEST(SignalEffects, SaturatedGainStillDeliversTheTorque) {
 TEST(FlexibleEffects, LinksOfAStiffArmAreTwistedByTheTorqueOfTheRigidOne) {
   const Scenario bare = ThreeJointArm();
   const Eigen::Array3d stiffness(8e4, 6e4, 4e4);
-  std::vector<SimulatedEffect> effects;
+  std::vector<GivenEffect> effects;
   for (int j = 0; j < 3; ++j) {
     effects.push_back({"joint_elasticity", {j}, {{"stiffness", stiffness[j]}, {"damping_ratio", 0.1}}, ""});
   }
@@ -346,8 +351,8 @@ TEST(FlexibleEffects, DrivesAreThoseOfTheRigidArm) {
   Scenario heavier = ThreeJointArm();
   Set(&heavier, "Ia2", 1.0);
   Set(&heavier, "Fv2", 9.0);
-  const std::vector<SimulatedEffect> effect = {{"joint_elasticity", {1}, {{"stiffness", 2000.0}}, ""},
-                                               {"backlash", {2}, {{"gap", 0.004}}, ""}};
+  const std::vector<GivenEffect> effect = {{"joint_elasticity", {1}, {{"stiffness", 2000.0}}, ""},
+                                           {"backlash", {2}, {{"gap", 0.004}}, ""}};
   EXPECT_LT(Largest(Extra(heavier, effect) - Extra(ThreeJointArm(), effect)), 1e-9);
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/file.h"
+#include "core/effects/simulated_effects.h"
 #include "core/recording/study.h"
 #include "core/simulation/scenario.h"
 #include "core/simulation/simulate_scenario.h"
@@ -17,7 +18,7 @@ namespace {
 const std::string kFolder = std::string(IDIM_SOURCE_DIR) + "/datasets/tx40_synthetic/";
 
 TEST(Tx40Synthetic, IsAByteExactProductOfItsScenario) {
-  const Result<Scenario> scenario = ReadScenario(kFolder + "scenario.yaml");
+  const Result<Scenario> scenario = ReadScenario(kFolder + "scenario.yaml", EffectEquations());
   ASSERT_TRUE(scenario.ok()) << scenario.status().message();
   const Result<std::vector<OutputFile>> files = RenderScenario(*scenario);
   ASSERT_TRUE(files.ok()) << files.status().message();
@@ -41,7 +42,7 @@ TEST(Tx40Synthetic, IsAByteExactProductOfItsScenario) {
 TEST(Tx40Synthetic, ReadsAsAStudyAndMovesLikeTheScenarioSays) {
   const Result<Study> study = ReadStudy(kFolder + "study.yaml");
   ASSERT_TRUE(study.ok()) << study.status().message();
-  const Result<Scenario> scenario = ReadScenario(kFolder + "scenario.yaml");
+  const Result<Scenario> scenario = ReadScenario(kFolder + "scenario.yaml", EffectEquations());
   ASSERT_TRUE(scenario.ok());
   ASSERT_EQ(study->recordings.size(), 5u);
   EXPECT_EQ(study->gains, scenario->gains);

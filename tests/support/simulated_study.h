@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/file.h"
+#include "core/effects/simulated_effects.h"
 #include "core/model/model.h"
 #include "core/recording/study.h"
 #include "core/simulation/scenario.h"
@@ -68,7 +69,7 @@ struct SimulatedStudy {
 
   void Simulate() {
     folder.Write("in/robot.yaml", robot);
-    Result<Scenario> read = ReadScenario(folder.Write("in/scenario.yaml", scenario_text));
+    Result<Scenario> read = ReadScenario(folder.Write("in/scenario.yaml", scenario_text), EffectEquations());
     ASSERT_TRUE(read.ok()) << read.status().message();
     scenario = std::move(read).value();
     const Result<std::vector<OutputFile>> files = RenderScenario(scenario);

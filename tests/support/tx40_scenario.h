@@ -12,6 +12,7 @@
 #include <sstream>
 #include <string>
 
+#include "core/effects/simulated_effects.h"
 #include "core/simulation/scenario.h"
 #include "core/simulation/simulate_scenario.h"
 #include "tests/support/temp_folder.h"
@@ -51,7 +52,7 @@ inline Scenario Tx40Scenario(const Tx40Log& log) {
          << ", trajectory: " << log.trajectory << "}\n";
   }
   TempFolder temporary;
-  Result<Scenario> scenario = ReadScenario(temporary.Write("scenario.yaml", text.str()));
+  Result<Scenario> scenario = ReadScenario(temporary.Write("scenario.yaml", text.str()), EffectEquations());
   EXPECT_TRUE(scenario.ok()) << scenario.status().message();
   return std::move(scenario).value();
 }

@@ -11,8 +11,7 @@
 //   DelayOf, SignalOf                         from the torque to the logged signal
 //
 // and at each of them the effects of a scenario act in its order. Joint by joint where one joint is spoken of, over all
-// joints that the effect names. q, dq, ddq of a motor are in joint coordinates; torques are those that the drive has to
-// deliver.
+// joints that the effect names. q, dq, ddq of a motor are in joint coordinates; torques are those asked of the drive.
 
 #ifndef IDIM_CORE_SIMULATION_EFFECT_EQUATION_H_
 #define IDIM_CORE_SIMULATION_EFFECT_EQUATION_H_

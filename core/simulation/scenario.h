@@ -2,8 +2,7 @@
 // paths are relative to the file; every list of n numbers may be one number for all joints):
 //
 //   robot: robot.yaml
-//   parameters:                  # one mapping a link, 1 to n; what is left out is 0; or the path of a file with this
-//   key
+//   parameters:                  # one mapping a link, 1 to n, what is left out is 0; or a file with this key
 //     - {XX: 0.1, XY: 0, ..., MZ: 0.2, M: 4, Ia: 0.3, Fv: 7, Fs: 5, off: 0.1}   # inertia about the ORIGIN of the frame
 //     - {..., Iam: 0.01, Fvm: 0.5, Fsm: 2}                                   # of a coupling whose motor is this joint
 //   payloads:                    # optional; all ten parameters in the frame of the last link
@@ -89,8 +88,8 @@ struct Scenario {
   double effect_step = 1e-4;  // [s] at which effects with memory are integrated between the recorded instants
 };
 
-// One message with file, line and key on bad input. `equations`: those that its effects may have, which outlive the
-// result.
+// One message with file, line and key on bad input. `equations`: those that its effects may have; they must outlive
+// the result.
 Result<Scenario> ReadScenario(const std::string& yaml_path, const EffectEquationList& equations);
 
 }  // namespace idim

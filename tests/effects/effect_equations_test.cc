@@ -1,5 +1,4 @@
-// The registry's equations and the columns beside them: one effect, seen from both sides. And the lists that a person
-// reads.
+// The registry's equations and the columns beside them: one effect, seen from both sides; and the lists for people.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

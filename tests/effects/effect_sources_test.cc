@@ -1,8 +1,7 @@
 // Two rules for the sources of an effect, read off the tree; the checker itself is tried on planted violations.
 //
 // - Its id stands as a string in its own file alone, core/effects/<id>.cc: who needs to know something of an effect
-// asks
-//   it, so that adding one touches nothing else.
+//   asks it, so that adding one touches nothing else.
 // - Its equation calls no function of the columns and names none of their types: neither what core/effects declares in
 //   headers nor a function of its own file that the columns call as well. Else a mistake in both would pass for truth.
 

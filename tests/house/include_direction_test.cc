@@ -50,7 +50,7 @@ const std::map<std::string, std::vector<std::set<std::string>>>& Rooms() {
         {"effects"},
         {"model"}}},
       {"solvers", {{"linear", "consistent"}, {"bundle"}, {"estimators"}, {"loop"}, {"judge"}, {""}}},
-      {"apps", {{"pages"}, {"paper_study"}, {""}}},
+      {"apps", {{"pages"}, {""}, {"paper_study"}}},
   };
   return *rooms;
 }

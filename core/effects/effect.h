@@ -31,7 +31,7 @@ class EffectEquation;    // core/simulation/effect_equation.h
 struct SimulatedEffect;  // there too
 struct Scenario;         // core/simulation/scenario.h
 
-// What an effect sees of one recording: N instants, n joints. Filled by MakeEffectMotion(), core/effects/effect_motion.h.
+// One recording as an effect sees it: N instants, n joints. MakeEffectMotion() of effect_motion.h fills it.
 struct EffectMotion {
   // Torque of links, drives and payload (friction apart) of the model so far at any state, with gravity [m/s^2] in the
   // base frame. n each.

@@ -44,7 +44,7 @@ struct EffectScan {
   int tried = 0;  // shapes of all candidates
 };
 
-// Candidates at every place but those of prepared.model.effects and declared friction. arm: as fitted, effects included.
+// Candidates at every place but those of the model's effects and declared friction. arm: as fitted, with the effects.
 EffectScan ScanEffects(const PreparedStudy& prepared, const ResidualModel& residual, const ArmParameters& arm,
                        const ScanOptions& options);
 

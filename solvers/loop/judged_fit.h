@@ -35,8 +35,8 @@ struct LoopErrors {
 // validation: of held-out blocks, or of the recordings of the study that are not for identification.
 LoopErrors ErrorsOf(const JudgedFit& model, bool by_blocks);
 
-// Squared held-out residuals of a model in each fold, by the weights of `measure`, of the joints of an effect (none named:
-// of all).
+// Squared held-out residuals of a model in each fold, of the joints of an effect, of all if none is named. Weights are
+// those of `measure`.
 Eigen::VectorXd HeldOutByFold(const ResidualModel& measure, const JudgedFit& model, const std::vector<int>& joints);
 
 }  // namespace idim

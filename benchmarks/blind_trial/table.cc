@@ -12,20 +12,6 @@ namespace {
 
 std::string List(const std::vector<std::string>& names) { return names.empty() ? "-" : Join(names, ", "); }
 
-void Print(int number, const Case& c) {
-  std::string planted;
-  for (const Planted& p : c.planted) {
-    planted += (planted.empty() ? "" : ", ") + Title(p.effect) +
-               Format(" (share %.3f, worth %.1f %%%s)", p.share, p.worth, p.found ? "" : ", MISSED");
-  }
-  std::printf("%4d %s %s\n       found %s; held out %.3f -> %.3f, truth %.3f %%; unexplained: %s; %.1f s\n", number,
-              c.identify ? "g" : " ", planted.empty() ? "none" : planted.c_str(), List(c.found).c_str(), c.before,
-              c.after, c.truth, List(c.unexplained).c_str(), c.seconds);
-  for (const std::string& name : c.false_alarms) std::printf("       FALSE ALARM %s\n", name.c_str());
-  for (const std::string& text : c.dropped) std::printf("       dropped: %s\n", text.c_str());
-  if (!c.problem.empty()) std::printf("       PROBLEM %s\n", c.problem.c_str());
-}
-
 constexpr double kWorthFinding = 3.0;  // [%]
 
 struct Tally {

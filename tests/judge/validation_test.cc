@@ -240,7 +240,7 @@ TEST_F(ValidationTest, AnUntrustedEstimateIsJudgedWithAWarning) {
   doubtful.warning = "g1 is weak";
   const Validation v = Judge(prepared, doubtful);
   EXPECT_THAT(ValidationToText({v}), HasSubstr("truth is not to be trusted: g1 is weak"));
-  EXPECT_THAT(RenderValidationReport(prepared.study.robot, {v}), HasSubstr("truth is not to be trusted: g1 is weak"));
+  EXPECT_THAT(RenderValidationReport(prepared.robot(), {v}), HasSubstr("truth is not to be trusted: g1 is weak"));
   EXPECT_EQ(nlohmann::json::parse(ValidationToJson("three", {v})).at("estimates").at(0).at("warning"), "g1 is weak");
 }
 

@@ -120,7 +120,7 @@ TEST(CloseLoop, ListsARivalThatTheDataCannotTellApart) {
   ASSERT_EQ(result.steps[1].confusable_with.size(), 1u);
   const LoopRival& rival = result.steps[1].confusable_with[0];
   EXPECT_EQ(EffectTitle(rival.effect), "power_viscous on joint 2");
-  EXPECT_GT(rival.validation_error_percent, 0.0);
+  EXPECT_GT(rival.held_out_error_percent, 0.0);
 }
 
 TEST(LoopOptions, NameWhatIsWrong) {

@@ -118,7 +118,7 @@ TEST(DeclaredEffects, TorqueInPlaceOfSignalsIsTheSame) {
   const std::string torque =
       "columns: {tau1: {column: v1, scale: 20}, tau2: {column: v2, scale: -11}, tau3: {column: v3, scale: 5}}\n";
   const PreparedStudy logged = PreparedWith(kBoth + torque, {{"values: [20, -11, 5]", "values: [1, 1, 1]"}});
-  ASSERT_TRUE(logged.recordings[0].recording.signal_is_torque);
+  ASSERT_TRUE(logged.data->recordings[0].recording->signal_is_torque);
   const Estimate a = EstimateOf(PreparedWith(kBoth), "wls"), b = EstimateOf(logged, "wls");
   ASSERT_EQ(a.parameters.size(), b.parameters.size());
   for (size_t k = 0; k < a.parameters.size(); ++k) {

@@ -5,6 +5,8 @@ function(idim_add_library name)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
   if(sources)
     add_library(idim_${name} STATIC ${sources})
+    # So that a shared library, such as a Python module, can link it.
+    set_target_properties(idim_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     # Under sanitizers a room of core and solvers is compiled at once, in half the time (no two names of its unnamed
     # namespaces may be the same, pages have many such); the release build shows that a file includes what it uses.
     if(IDIM_SANITIZE AND NOT folder MATCHES "^apps")

@@ -6,13 +6,11 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "tests/support/edit_data.h"
 #include "tests/support/gain_study.h"
 
 namespace idim {
 namespace {
 
-using testing::KeepRecordings;
 using ::testing::ElementsAre;
 using testing::GainScenario;
 using testing::GainStudy;
@@ -71,12 +69,15 @@ TEST(SequentialGains, OneJointIsItsOwnLeastSquares) {
 TEST(SequentialGains, SaysWhichGainItCannotFind) {
   GainScenario scenario = Tx40Gains();
   scenario.known = {kMZ};  // no torque on joint 6 from any of MZ, and nothing else is known
-  GainStudy study = MakeGainStudy(scenario);
-  // Nothing to take over either, where the unloaded recording alone is kept.
-  KeepRecordings({0}, &study.prepared);
-  const Result<GainSystem> system = BuildGainSystem(study.prepared);
-  ASSERT_TRUE(system.ok());
-  const SequentialGains sequential = SolveSequentialGains(*system);
+  const GainStudy study = MakeGainStudy(scenario);
+  const Result<GainRows> rows = GainRows::Create(study.prepared);
+  ASSERT_TRUE(rows.ok());
+  GainSystem system(rows->unknowns().parameters(), 6);
+  // Nothing to take over either, where the rows of the unloaded recording alone are there.
+  rows->Stream(0, [&](const GainRows::RowMajorMatrix& all) {
+    for (int j = 0; j < 6; ++j) system.joints[static_cast<size_t>(j)].AddRow(all.row(j));
+  });
+  const SequentialGains sequential = SolveSequentialGains(system);
   EXPECT_EQ(sequential.status.code(), StatusCode::kUntrusted);
   EXPECT_THAT(sequential.status.message(), ::testing::HasSubstr("g1, g2, g3, g4, g5, g6"));
   EXPECT_TRUE(std::isnan(sequential.gains[0]));

@@ -72,15 +72,12 @@ class Mended(unittest.TestCase):
 
 
 class ThisTree(unittest.TestCase):
-    # Comments of these rooms are mended when their sources are.
-    LATER = {"core/effects", "core/simulation", "core/model", "solvers/loop", "solvers/bundle", "solvers/estimators"}
-
     def test_has_none(self):
         root = SCRIPT.parent.parent
         found = []
         for file in check_comments.sources([root / folder for folder in check_comments.FOLDERS]):
             name = str(file.relative_to(root))
-            if "/".join(name.split("/")[:2]) in self.LATER or name == "tests/house/check_comments_test.py":
+            if name == "tests/house/check_comments_test.py":
                 continue
             mark = check_comments.MARKS[file.suffix]
             found += [(name, *one) for one in check_comments.findings(file.read_text(encoding="utf-8"), mark)]

@@ -199,6 +199,7 @@ std::vector<std::string> IdViolations(const fs::path& root, const Names& ids, in
       const auto homonyms = Homonyms().find(path);
       for (const std::string& literal : Parse(Read(file)).literals) {
         for (const std::string& id : ids) {
+          if (literal.find(id) == std::string::npos) continue;
           // An id with an underscore is no word of prose.
           const bool within = id.find('_') != std::string::npos && Identifiers(literal).count(id) > 0;
           if ((literal != id && !within) || path == "core/effects/" + id + ".cc") continue;

@@ -1,7 +1,7 @@
 // The order in which the loop asks: forward steps, then every effect that was added again beside all others.
 //
 //   add           all candidates that pass both gates (PassesScoreTest, PassesHeldOut), the chosen one fitted along
-//                 with everything; put aside if it has a forbidden sign or is not needed after the fit, and the next one
+//                 with everything; put aside if it has a forbidden sign or is not needed after the fit, and another
 //                 chosen; until one is added or none is left
 //   reconsider    shapes that were held are released; effects that turned their sign are dropped; then each effect
 //                 that was added is dropped if the model does not need it, or else replaced if the first candidate at

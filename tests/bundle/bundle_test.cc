@@ -16,11 +16,11 @@
 namespace idim {
 namespace {
 
-using testing::EditSamples;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using ::testing::AllOf;
 using testing::BundleStudy;
+using testing::EditSamples;
 using ::testing::HasSubstr;
 
 BundleStudy Arm3(unsigned noise_seed = 1) {

@@ -15,10 +15,10 @@
 namespace idim {
 namespace {
 
-using testing::EditSamples;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using testing::BundleStudy;
+using testing::EditSamples;
 using testing::GainScenario;
 using testing::MakeBundleStudy;
 

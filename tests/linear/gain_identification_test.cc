@@ -12,13 +12,13 @@
 namespace idim {
 namespace {
 
-using testing::EditRecordings;
-using testing::KeepRecordings;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using testing::EditRecordings;
 using testing::GainScenario;
 using testing::GainStudy;
 using ::testing::HasSubstr;
+using testing::KeepRecordings;
 using testing::MakeGainStudy;
 using ::testing::Not;
 using testing::Tx40Gains;

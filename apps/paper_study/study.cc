@@ -63,9 +63,7 @@ PreparedStudy AsTold(const PreparedStudy& prepared, const Scenario& scenario, To
   PreparedStudy result = prepared;
   if (identification_only) {
     const std::vector<int> used = prepared.model.RecordingsFor(Use::kIdentification);
-    std::vector<RecordingRole> roles;
-    for (const int r : used) roles.push_back(prepared.model.roles[static_cast<size_t>(r)]);
-    result = {SomeRecordings(*prepared.data, used), ForRecordings(prepared.model, used, roles)};
+    result = {SomeRecordings(*prepared.data, used), ForRecordings(prepared.model, used)};
   }
   for (int k = 0; k < kNumInertial; ++k) {
     const bool known = told == Told::kTen || (told == Told::kMass && k == kM);

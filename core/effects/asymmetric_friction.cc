@@ -62,7 +62,7 @@ class AsymmetricFriction : public Effect {
                                    const VectorXd& shape) const override {
     const int joint = OnlyJoint(joints);
     CHECK_EQ(shape.size(), 0);
-    return {{0, joint, motion.dq.col(joint).cwiseAbs()}, {1, joint, ExpectedSigns(motion, joint).cwiseAbs()}};
+    return {{0, joint, motion.dq().col(joint).cwiseAbs()}, {1, joint, ExpectedSigns(motion, joint).cwiseAbs()}};
   }
 
   const EffectEquation* equation() const override { return &equation_; }

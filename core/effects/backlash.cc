@@ -48,7 +48,7 @@ class BacklashEquation : public EffectEquation {
 // r(t) [rad or m] of the backlash. Where the links have no inertia about the joint (a poor estimate) they change sides
 // at once.
 VectorXd PlaceInGap(const EffectMotion& motion, int joint, double half_gap) {
-  const Index count = motion.t.size();
+  const Index count = motion.t().size();
   const VectorXd rest = VectorXd::Zero(motion.robot->dof());
   const VectorXd unit = VectorXd::Unit(motion.robot->dof(), joint);
   VectorXd place(count);
@@ -59,9 +59,9 @@ VectorXd PlaceInGap(const EffectMotion& motion, int joint, double half_gap) {
     if (i == 0) {
       r = flank;
     } else if (r != flank) {
-      const VectorXd q = motion.q.row(i);
+      const VectorXd q = motion.q().row(i);
       const double inertia = motion.link_torque(q, rest, unit, Vector3d::Zero())[joint];
-      const double step = motion.t[i] - motion.t[i - 1];
+      const double step = motion.t()[i] - motion.t()[i - 1];
       speed -= inertia > 0.0 ? step * torque / inertia : 0.0;
       r = inertia > 0.0 ? std::clamp(r + step * speed, -half_gap, half_gap) : flank;
     }

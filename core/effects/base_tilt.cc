@@ -97,20 +97,20 @@ class BaseTilt : public Effect {
     CHECK_EQ(shape.size(), 0);
     const Robot& robot = *motion.robot;
     const int n = robot.dof();
-    const Index count = motion.t.size();
+    const Index count = motion.t().size();
     const VectorXd rest = VectorXd::Zero(n);
     std::vector<EffectEntry> entries;
     int parameter = 0;
     for (const int axis : TiltAxes(robot)) {
       const Vector3d gravity = Vector3d::Unit(axis).cross(robot.gravity);
       MatrixXd column(count, n);
-      for (Index i = 0; i < count; ++i) column.row(i) = motion.rigid_torque(motion.q.row(i), rest, rest, gravity);
+      for (Index i = 0; i < count; ++i) column.row(i) = motion.rigid_torque(motion.q().row(i), rest, rest, gravity);
       for (int j = 0; j < n; ++j) entries.push_back({parameter, j, column.col(j)});
       ++parameter;
     }
     if (AxisOneHidesMoments(robot)) {
-      entries.push_back({parameter, 0, motion.q.col(0).array().cos()});
-      entries.push_back({parameter + 1, 0, motion.q.col(0).array().sin()});
+      entries.push_back({parameter, 0, motion.q().col(0).array().cos()});
+      entries.push_back({parameter + 1, 0, motion.q().col(0).array().sin()});
     }
     return entries;
   }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/dynamics/standard_model.h"
+#include "core/robot/joint_units.h"
 #include "core/signal/butterworth.h"
 
 namespace idim {
@@ -26,18 +27,18 @@ bool IsPrismatic(const Robot& robot, int joint) {
   return robot.joints[joint].type == JointType::kPrismatic;
 }
 
-std::string TorqueUnit(const Robot& robot, int joint) { return IsPrismatic(robot, joint) ? "N" : "N.m"; }
+std::string TorqueUnit(const Robot& robot, int joint) { return UnitsOf(robot, joint).torque; }
 
-std::string AngleUnit(const Robot& robot, int joint) { return IsPrismatic(robot, joint) ? "m" : "rad"; }
+std::string AngleUnit(const Robot& robot, int joint) { return UnitsOf(robot, joint).position; }
 
 Parameter JointParameter(const std::string& stem, int joint, const std::string& unit) {
   return {stem + std::to_string(joint + 1), ParameterKind::kEffect, joint + 1, unit};
 }
 
 VectorXd ExpectedSigns(const EffectMotion& motion, int joint) {
-  CHECK_EQ(motion.velocity_sigma.size(), motion.dq.cols());
+  CHECK_EQ(motion.velocity_sigma.size(), motion.dq().cols());
   const double sigma = motion.velocity_sigma[joint];
-  return motion.dq.col(joint).unaryExpr([sigma](double dq) { return ExpectedSign(dq, sigma); });
+  return motion.dq().col(joint).unaryExpr([sigma](double dq) { return ExpectedSign(dq, sigma); });
 }
 
 MatrixXd TimeDerivative(const VectorXd& t, const MatrixXd& values) {
@@ -61,10 +62,10 @@ MatrixXd TimeDerivative(const VectorXd& t, const MatrixXd& values) {
 }
 
 VectorXd ForDerivatives(const EffectMotion& motion, const VectorXd& values) {
-  const Index count = motion.t.size();
+  const Index count = motion.t().size();
   CHECK_EQ(values.size(), count);
   if (!(motion.derivative_cutoff_hz > 0.0) || count < 3) return values;
-  const double step = (motion.t[count - 1] - motion.t[0]) / static_cast<double>(count - 1);
+  const double step = (motion.t()[count - 1] - motion.t()[0]) / static_cast<double>(count - 1);
   if (motion.derivative_cutoff_hz >= 0.5 / step) return values;
   const ButterworthFilter filter(4, motion.derivative_cutoff_hz, step);
   return count > filter.padding() ? filter.ZeroPhase(values) : values;
@@ -73,9 +74,9 @@ VectorXd ForDerivatives(const EffectMotion& motion, const VectorXd& values) {
 double PositionRange(const std::vector<EffectMotion>& motions, int joint) {
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   for (const EffectMotion& motion : motions) {
-    if (motion.q.rows() == 0) continue;
-    lowest = std::min(lowest, motion.q.col(joint).minCoeff());
-    highest = std::max(highest, motion.q.col(joint).maxCoeff());
+    if (motion.q().rows() == 0) continue;
+    lowest = std::min(lowest, motion.q().col(joint).minCoeff());
+    highest = std::max(highest, motion.q().col(joint).maxCoeff());
   }
   return std::max(0.0, highest - lowest);
 }
@@ -83,7 +84,7 @@ double PositionRange(const std::vector<EffectMotion>& motions, int joint) {
 double LargestSpeed(const std::vector<EffectMotion>& motions, int joint) {
   double speed = 0.0;
   for (const EffectMotion& motion : motions) {
-    if (motion.dq.rows() > 0) speed = std::max(speed, motion.dq.col(joint).cwiseAbs().maxCoeff());
+    if (motion.dq().rows() > 0) speed = std::max(speed, motion.dq().col(joint).cwiseAbs().maxCoeff());
   }
   return speed;
 }
@@ -91,7 +92,7 @@ double LargestSpeed(const std::vector<EffectMotion>& motions, int joint) {
 double LongestDuration(const std::vector<EffectMotion>& motions) {
   double duration = 0.0;
   for (const EffectMotion& motion : motions) {
-    if (motion.t.size() > 0) duration = std::max(duration, motion.t[motion.t.size() - 1] - motion.t[0]);
+    if (motion.t().size() > 0) duration = std::max(duration, motion.t()[motion.t().size() - 1] - motion.t()[0]);
   }
   return duration;
 }

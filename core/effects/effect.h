@@ -19,10 +19,12 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/dynamics/parameters.h"
+#include "core/motion/preprocessing.h"
 #include "core/robot/robot.h"
 
 namespace idim {
@@ -42,9 +44,9 @@ struct EffectMotion {
       std::function<Eigen::MatrixXd(const Eigen::VectorXd& q, const Eigen::VectorXd& dq, const Eigen::VectorXd& ddq)>;
 
   const Robot* robot = nullptr;
-  int recording = 0;               // index among the recordings of the study
-  Eigen::VectorXd t;               // N [s]
-  Eigen::MatrixXd q, dq, ddq;      // N x n
+  int recording = 0;  // index among the recordings of the study
+  // Shared with the data, never changed.
+  std::shared_ptr<const JointStates> states;
   Eigen::VectorXd velocity_sigma;  // n, standard deviations of dq
   Eigen::MatrixXd torque;          // N x n [N m or N], of the model so far, friction included
   Eigen::MatrixXd rigid;           // N x n, rigid_torque at the recorded states with the robot's own gravity
@@ -55,6 +57,11 @@ struct EffectMotion {
   // frequency in ddq and with its fourth power in the second derivative of a torque: there it would drown the motion,
   // and being that of the model's own columns, pass for the effect.
   double derivative_cutoff_hz = 0.0;
+  const Eigen::VectorXd& t() const { return states->t; }      // N [s]
+  const Eigen::MatrixXd& q() const { return states->q; }      // N x n
+  const Eigen::MatrixXd& dq() const { return states->dq; }    // N x n
+  const Eigen::MatrixXd& ddq() const { return states->ddq; }  // N x n
+
   RigidTorque rigid_torque;
   RigidTorque
       link_torque;  // rigid_torque less the drives' inertia, as far as the base parameters tell it from the links'

@@ -111,9 +111,10 @@ class RigidArm {
 
 }  // namespace
 
-EffectMotion MakeEffectMotion(const BaseParameters& base, const JointStates& states, int recording,
-                              const VectorXd& velocity_sigma, const VectorXd& chi, const InertialVector& payload,
-                              const VectorXd& position_sigma) {
+EffectMotion MakeEffectMotion(const BaseParameters& base, std::shared_ptr<const JointStates> shared_states,
+                              int recording, const VectorXd& velocity_sigma, const VectorXd& chi,
+                              const InertialVector& payload, const VectorXd& position_sigma) {
+  const JointStates& states = *shared_states;
   StandardModel model = base.model();
   const int n = model.dof();
   const Index count = states.t.size();
@@ -128,10 +129,7 @@ EffectMotion MakeEffectMotion(const BaseParameters& base, const JointStates& sta
   EffectMotion motion;
   motion.robot = &base.model().robot();
   motion.recording = recording;
-  motion.t = states.t;
-  motion.q = states.q;
-  motion.dq = states.dq;
-  motion.ddq = states.ddq;
+  motion.states = std::move(shared_states);
   motion.velocity_sigma = velocity_sigma;
   motion.position_sigma = position_sigma;
   const auto arm = std::make_shared<RigidArm>(base, chi, payload);

@@ -11,6 +11,7 @@
 #define IDIM_CORE_EFFECTS_EFFECT_MOTION_H_
 
 #include <Eigen/Core>
+#include <memory>
 
 #include "core/dynamics/base_parameters.h"
 #include "core/effects/effect.h"
@@ -22,7 +23,7 @@ namespace idim {
 // study. velocity_sigma: n, of dq. chi: base.size() base parameters of the model so far, friction and drive inertias
 // among them. payload: of this recording, in the frame of the last link; zero without one. position_sigma: n, of the
 // filtered q; empty: zero. Sizes are CHECKed. The functions of the result may be called from several threads at once.
-EffectMotion MakeEffectMotion(const BaseParameters& base, const JointStates& states, int recording,
+EffectMotion MakeEffectMotion(const BaseParameters& base, std::shared_ptr<const JointStates> states, int recording,
                               const Eigen::VectorXd& velocity_sigma, const Eigen::VectorXd& chi,
                               const InertialVector& payload, const Eigen::VectorXd& position_sigma = Eigen::VectorXd());
 

@@ -48,7 +48,7 @@ class JointSpring : public Effect {
   std::vector<EffectEntry> Columns(const EffectMotion& motion, const std::vector<int>& joints,
                                    const Eigen::VectorXd& shape) const override {
     CHECK_EQ(shape.size(), 0);
-    return {{0, OnlyJoint(joints), motion.q.col(joints[0])}};
+    return {{0, OnlyJoint(joints), motion.q().col(joints[0])}};
   }
 
   const EffectEquation* equation() const override { return &equation_; }

@@ -15,11 +15,11 @@ constexpr double kStep = 1e-4;  // [rad or m] the largest displacement of the ce
 }  // namespace
 
 std::vector<EffectEntry> LinkTorqueAlong(const EffectMotion& motion, int joint, const VectorXd& displacement) {
-  const Index count = motion.t.size();
+  const Index count = motion.t().size();
   const double largest = count == 0 ? 0.0 : displacement.cwiseAbs().maxCoeff();
   if (!(largest > 0.0)) return {};
-  const VectorXd velocity = TimeDerivative(motion.t, displacement);
-  const VectorXd acceleration = TimeDerivative(motion.t, velocity);
+  const VectorXd velocity = TimeDerivative(motion.t(), displacement);
+  const VectorXd acceleration = TimeDerivative(motion.t(), velocity);
   const double step = kStep / largest;
   const int n = motion.robot->dof();
   MatrixXd column(count, n);
@@ -27,7 +27,7 @@ std::vector<EffectEntry> LinkTorqueAlong(const EffectMotion& motion, int joint, 
   for (Index i = 0; i < count; ++i) {
     for (const int side : {0, 1}) {
       const double h = side == 0 ? -step : step;
-      VectorXd q = motion.q.row(i), dq = motion.dq.row(i), ddq = motion.ddq.row(i);
+      VectorXd q = motion.q().row(i), dq = motion.dq().row(i), ddq = motion.ddq().row(i);
       q[joint] += h * displacement[i];
       dq[joint] += h * velocity[i];
       ddq[joint] += h * acceleration[i];

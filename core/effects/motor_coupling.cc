@@ -74,11 +74,11 @@ class MotorCoupling : public Effect {
     const int a = joints[0], b = joints[1];
     const double sigma = std::hypot(motion.velocity_sigma[a], motion.velocity_sigma[b]);
     const Eigen::VectorXd sign =
-        (motion.dq.col(a) + motion.dq.col(b)).unaryExpr([sigma](double dq) { return ExpectedSign(dq, sigma); });
-    return {{0, a, motion.ddq.col(b)},
-            {0, b, motion.ddq.col(a)},
-            {1, a, motion.dq.col(b)},
-            {1, b, motion.dq.col(a)},
+        (motion.dq().col(a) + motion.dq().col(b)).unaryExpr([sigma](double dq) { return ExpectedSign(dq, sigma); });
+    return {{0, a, motion.ddq().col(b)},
+            {0, b, motion.ddq().col(a)},
+            {1, a, motion.dq().col(b)},
+            {1, b, motion.dq().col(a)},
             {2, a, sign},
             {2, b, sign}};
   }

@@ -20,7 +20,7 @@ class Offset : public DeclaredFriction {
   }
 
  private:
-  VectorXd Column(const EffectMotion& motion, int) const override { return VectorXd::Ones(motion.t.size()); }
+  VectorXd Column(const EffectMotion& motion, int) const override { return VectorXd::Ones(motion.t().size()); }
   int Index() const override { return kOff; }
 };
 

@@ -93,17 +93,17 @@ class PayloadChange : public Effect {
     CHECK(joints.empty());
     CHECK_EQ(shape.size(), 1);
     const double recording = std::floor(shape[0]);
-    const Index count = motion.t.size();
+    const Index count = motion.t().size();
     if (count == 0 || recording != motion.recording) return {};
-    const double begin = motion.t[0] + (shape[0] - recording) * (motion.t[count - 1] - motion.t[0]);
+    const double begin = motion.t()[0] + (shape[0] - recording) * (motion.t()[count - 1] - motion.t()[0]);
     const int n = motion.robot->dof();
     std::vector<EffectEntry> entries;
     for (int k = 0; k < kCount; ++k) {
       for (int j = 0; j < n; ++j) entries.push_back({k, j, VectorXd::Zero(count)});
     }
     for (Index i = 0; i < count; ++i) {
-      if (motion.t[i] < begin) continue;
-      const MatrixXd body = motion.body_columns(motion.q.row(i), motion.dq.row(i), motion.ddq.row(i));
+      if (motion.t()[i] < begin) continue;
+      const MatrixXd body = motion.body_columns(motion.q().row(i), motion.dq().row(i), motion.ddq().row(i));
       for (int k = 0; k < kCount; ++k) {
         for (int j = 0; j < n; ++j) entries[k * n + j].torque[i] = body(j, kFirst + k);
       }

@@ -64,7 +64,7 @@ class PowerViscous : public Effect {
     const int joint = OnlyJoint(joints);
     CHECK_EQ(shape.size(), 1);
     CHECK_GT(shape[0], 0.0);
-    return {{0, joint, ExpectedSigns(motion, joint).array() * motion.dq.col(joint).array().abs().pow(shape[0])}};
+    return {{0, joint, ExpectedSigns(motion, joint).array() * motion.dq().col(joint).array().abs().pow(shape[0])}};
   }
 
   VectorXd TrueShape(const SimulatedEffect& effect, const Scenario&) const override {

@@ -88,15 +88,15 @@ class Presliding : public Effect {
     CHECK_EQ(shape.size(), 1);
     CHECK_GT(shape[0], 0.0);
     const double play = Play(motion, joint);
-    const Index count = motion.q.rows();
+    const Index count = motion.q().rows();
     VectorXd column(count);
     double z = 0.0;
-    if (count > 0 && std::abs(motion.dq(0, joint)) > 6.0 * motion.velocity_sigma[joint]) {
-      z = motion.dq(0, joint) > 0.0 ? 1.0 : -1.0;
+    if (count > 0 && std::abs(motion.dq()(0, joint)) > 6.0 * motion.velocity_sigma[joint]) {
+      z = motion.dq()(0, joint) > 0.0 ? 1.0 : -1.0;
     }
-    double follower = count > 0 ? motion.q(0, joint) : 0.0;
+    double follower = count > 0 ? motion.q()(0, joint) : 0.0;
     for (Index i = 0; i < count; ++i) {
-      const double q = motion.q(i, joint);
+      const double q = motion.q()(i, joint);
       const double moved = std::clamp(follower, q - play, q + play) - follower;
       follower += moved;
       const double sign = (moved > 0.0) - (moved < 0.0);

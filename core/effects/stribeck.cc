@@ -66,7 +66,7 @@ class Stribeck : public Effect {
     const int joint = OnlyJoint(joints);
     CHECK_EQ(shape.size(), 1);
     CHECK_GT(shape[0], 0.0);
-    const ArrayXd decay = (-(motion.dq.col(joint).array() / shape[0]).square()).exp();
+    const ArrayXd decay = (-(motion.dq().col(joint).array() / shape[0]).square()).exp();
     return {{0, joint, ExpectedSigns(motion, joint).array() * decay}};
   }
 

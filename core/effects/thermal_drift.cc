@@ -75,9 +75,9 @@ class ThermalDrift : public Effect {
     const int joint = OnlyJoint(joints);
     CHECK_EQ(shape.size(), 1);
     CHECK_GT(shape[0], 0.0);
-    if (motion.t.size() == 0) return {};
-    const VectorXd warm = 1.0 - (-(motion.t.array() - motion.t[0]) / shape[0]).exp();
-    return {{0, joint, motion.dq.col(joint).cwiseProduct(warm)},
+    if (motion.t().size() == 0) return {};
+    const VectorXd warm = 1.0 - (-(motion.t().array() - motion.t()[0]) / shape[0]).exp();
+    return {{0, joint, motion.dq().col(joint).cwiseProduct(warm)},
             {1, joint, ExpectedSigns(motion, joint).cwiseProduct(warm)}};
   }
 

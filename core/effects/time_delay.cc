@@ -50,7 +50,7 @@ class TimeDelay : public Effect {
                                    const VectorXd& shape) const override {
     const int joint = OnlyJoint(joints);
     CHECK_EQ(shape.size(), 0);
-    return {{0, joint, -TimeDerivative(motion.t, ForDerivatives(motion, motion.torque.col(joint)))}};
+    return {{0, joint, -TimeDerivative(motion.t(), ForDerivatives(motion, motion.torque.col(joint)))}};
   }
 
   const EffectEquation* equation() const override { return &equation_; }

@@ -59,9 +59,9 @@ constexpr double kLargestOrderPrismatic = 3000.0;  // [rad/m], a pitch of 2 mm
 double SamplingRate(const std::vector<EffectMotion>& motions) {
   double rate = std::numeric_limits<double>::infinity();
   for (const EffectMotion& motion : motions) {
-    const Eigen::Index count = motion.t.size();
+    const Eigen::Index count = motion.t().size();
     if (count > 1)
-      rate = std::min(rate, 2.0 * M_PI * static_cast<double>(count - 1) / (motion.t[count - 1] - motion.t[0]));
+      rate = std::min(rate, 2.0 * M_PI * static_cast<double>(count - 1) / (motion.t()[count - 1] - motion.t()[0]));
   }
   return rate;
 }
@@ -120,7 +120,7 @@ class TorqueRipple : public Effect {
                                    const VectorXd& shape) const override {
     const int joint = OnlyJoint(joints);
     CHECK_EQ(shape.size(), 1);
-    const ArrayXd angle = shape[0] * motion.q.col(joint).array();
+    const ArrayXd angle = shape[0] * motion.q().col(joint).array();
     return {{0, joint, angle.cos()}, {1, joint, angle.sin()}};
   }
 

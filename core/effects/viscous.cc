@@ -17,7 +17,7 @@ class Viscous : public DeclaredFriction {
   }
 
  private:
-  VectorXd Column(const EffectMotion& motion, int joint) const override { return motion.dq.col(joint); }
+  VectorXd Column(const EffectMotion& motion, int joint) const override { return motion.dq().col(joint); }
   int Index() const override { return kFv; }
 };
 

@@ -48,7 +48,7 @@ std::vector<EffectMotion> MotionsOf(const PreparedStudy& prepared, const ArmPara
   std::vector<EffectMotion> motions;
   const int base = prepared.base().size();
   for (size_t r = 0; r < data.recordings.size(); ++r) {
-    motions.push_back(MakeEffectMotion(prepared.base(), *data.recordings[r].states, static_cast<int>(r),
+    motions.push_back(MakeEffectMotion(prepared.base(), data.recordings[r].states, static_cast<int>(r),
                                        data.velocity_sigma, arm.chi.head(base), arm.Carried(prepared.model.roles[r]),
                                        data.position_sigma));
     motions.back().derivative_cutoff_hz = kDerivativeBand * data.preprocessing.cutoff_hz;
@@ -103,6 +103,12 @@ Model WithoutEffects(const Model& model) {
   return result;
 }
 
+Model ForRecordings(const Model& model, const std::vector<int>& indices) {
+  std::vector<RecordingRole> roles;
+  for (const int r : indices) roles.push_back(model.roles[static_cast<size_t>(r)]);
+  return ForRecordings(model, indices, roles);
+}
+
 Model ForRecordings(const Model& model, const std::vector<int>& indices, const std::vector<RecordingRole>& roles) {
   CHECK_EQ(indices.size(), roles.size());
   const EffectColumns& all = *model.columns;
@@ -111,22 +117,18 @@ Model ForRecordings(const Model& model, const std::vector<int>& indices, const s
   Model result = model;
   result.roles = roles;
   result.effects.clear();
+  const Unknowns unknowns(model, UncertainPayload::kExact);
   std::vector<int> index(all.parameters.size(), -1);
-  size_t at = 0;
-  for (const ActiveEffect& active : model.effects) {
-    const size_t begin = at;
-    at += active.effect->Parameters(model.base().model().robot(), active.joints).size() +
-          (active.values.size() > 0 ? static_cast<size_t>(active.shape.size()) : 0);
+  for (size_t e = 0; e < model.effects.size(); ++e) {
+    const int begin = unknowns.effect(e).at - unknowns.first_effect();
+    const int end = unknowns.effect(e).end() - unknowns.first_effect();
     bool acts = false;
     for (const std::vector<EffectEntry>& entries : columns.of_recording) {
-      for (const EffectEntry& entry : entries) {
-        const auto parameter = static_cast<size_t>(entry.parameter);
-        acts |= parameter >= begin && parameter < at;
-      }
+      for (const EffectEntry& entry : entries) acts |= entry.parameter >= begin && entry.parameter < end;
     }
     if (!acts) continue;
-    result.effects.push_back(active);
-    for (size_t k = begin; k < at; ++k) {
+    result.effects.push_back(model.effects[e]);
+    for (auto k = static_cast<size_t>(begin); k < static_cast<size_t>(end); ++k) {
       index[k] = static_cast<int>(columns.parameters.size());
       columns.parameters.push_back(all.parameters[k]);
     }
@@ -148,14 +150,10 @@ std::vector<ShapeParameter> ShapesAlong(const PreparedStudy& prepared, const Eff
                                         const std::vector<int>& joints) {
   std::vector<EffectMotion> motions;
   for (size_t r = 0; r < prepared.data->recordings.size(); ++r) {
-    const JointStates& states = *prepared.data->recordings[r].states;
     EffectMotion motion;
     motion.robot = &prepared.robot();
     motion.recording = static_cast<int>(r);
-    motion.t = states.t;
-    motion.q = states.q;
-    motion.dq = states.dq;
-    motion.ddq = states.ddq;
+    motion.states = prepared.data->recordings[r].states;
     motion.velocity_sigma = prepared.data->velocity_sigma;
     motion.position_sigma = prepared.data->position_sigma;
     motions.push_back(std::move(motion));

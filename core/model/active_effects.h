@@ -30,8 +30,9 @@ Model WithEffects(const PreparedStudy& prepared, const std::vector<ActiveEffect>
                   const std::vector<EffectMotion>& motions);
 Model WithoutEffects(const Model& model);
 
-// The model for some of its recordings (with roles of their own), for SomeRecordings() of its data:
+// The model for some of its recordings (in their roles, or in others), for SomeRecordings() of its data:
 // effects that act in none of them, whose columns would be zero, are left out.
+Model ForRecordings(const Model& model, const std::vector<int>& indices);
 Model ForRecordings(const Model& model, const std::vector<int>& indices, const std::vector<RecordingRole>& roles);
 
 // "presliding_x_s_1": the name of that column, and of the shape among the parameters of an estimate.

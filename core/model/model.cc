@@ -63,37 +63,46 @@ InertialVector KnownPayload(const Model& model, int payload) {
   return known;
 }
 
+namespace {
+
+// Of a checked study, its model made already.
+Result<PreparedStudy> Prepare(const Study& study, Result<Model> model, std::vector<Recording> recordings) {
+  if (recordings.size() != study.recordings.size()) {
+    return Status::BadInput(study.path + ": " + std::to_string(recordings.size()) + " recordings for the " +
+                            std::to_string(study.recordings.size()) +
+                            " entries of the study; expected one an entry, in its order");
+  }
+  for (size_t k = 0; k < recordings.size(); ++k) {
+    if (recordings[k].name.empty()) recordings[k].name = study.recordings[k].name;
+    if (Status status = CheckRecording(study, recordings[k]); !status.ok()) return status;
+  }
+  if (!model.ok()) return model.status();
+  Result<std::shared_ptr<const Data>> data = MakeData(DataRequestOf(study), std::move(recordings));
+  if (!data.ok()) return data.status();
+  return PreparedStudy{*std::move(data), *std::move(model)};
+}
+
+}  // namespace
+
 Result<PreparedStudy> PrepareStudy(const Study& given) {
   const Result<Study> study = CheckedStudy(given);
   if (!study.ok()) return study.status();
   // Before the recordings are read: what is wrong in the study is said first.
-  if (const auto placed = PlaceDeclaredEffects(*study); !placed.ok()) return placed.status();
+  Result<Model> model = MakeModel(*study);
+  if (!model.ok()) return model.status();
   std::vector<Recording> recordings;
   for (const RecordingEntry& entry : study->recordings) {
     Result<Recording> recording = ReadRecording(*study, entry);
     if (!recording.ok()) return recording.status();
     recordings.push_back(std::move(recording).value());
   }
-  return PrepareStudy(*study, std::move(recordings));
+  return Prepare(*study, std::move(model), std::move(recordings));
 }
 
 Result<PreparedStudy> PrepareStudy(const Study& given, std::vector<Recording> recordings) {
   const Result<Study> study = CheckedStudy(given);
   if (!study.ok()) return study.status();
-  if (recordings.size() != study->recordings.size()) {
-    return Status::BadInput(study->path + ": " + std::to_string(recordings.size()) + " recordings for the " +
-                            std::to_string(study->recordings.size()) +
-                            " entries of the study; expected one an entry, in its order");
-  }
-  for (size_t k = 0; k < recordings.size(); ++k) {
-    if (recordings[k].name.empty()) recordings[k].name = study->recordings[k].name;
-    if (Status status = CheckRecording(*study, recordings[k]); !status.ok()) return status;
-  }
-  Result<Model> model = MakeModel(*study);
-  if (!model.ok()) return model.status();
-  Result<std::shared_ptr<const Data>> data = MakeData(DataRequestOf(*study), std::move(recordings));
-  if (!data.ok()) return data.status();
-  return PreparedStudy{*std::move(data), *std::move(model)};
+  return Prepare(*study, MakeModel(*study), std::move(recordings));
 }
 
 }  // namespace idim

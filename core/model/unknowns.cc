@@ -11,10 +11,7 @@ namespace idim {
 std::vector<Parameter> GainParameters(const Robot& robot, Side signal_side) {
   std::vector<Parameter> gains;
   for (int j = 1; j <= robot.dof(); ++j) {
-    const JointType driven =
-        signal_side == Side::kMotor ? JointType::kRevolute : robot.joints[static_cast<size_t>(j - 1)].type;
-    gains.push_back(
-        {"g" + std::to_string(j), ParameterKind::kDriveGain, j, UnitsOf(driven).torque + " per signal unit"});
+    gains.push_back({"g" + std::to_string(j), ParameterKind::kDriveGain, j, GainUnit(robot, j - 1, signal_side)});
   }
   return gains;
 }

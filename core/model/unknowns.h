@@ -34,7 +34,7 @@ struct ArmParameters {
   }
 };
 
-// g1..gn. On the motor side a gain makes the torque of a motor, which turns whatever its joint does.
+// g1..gn.
 std::vector<Parameter> GainParameters(const Robot& robot, Side signal_side);
 
 // A payload parameter that is known to a standard deviation only: taken for exact, or an unknown (to be given a prior).

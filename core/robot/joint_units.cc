@@ -15,6 +15,11 @@ JointUnits UnitsOf(JointType type) {
 
 JointUnits UnitsOf(const Robot& robot, int joint) { return UnitsOf(robot.joints.at(static_cast<size_t>(joint)).type); }
 
+std::string GainUnit(const Robot& robot, int joint, Side signal_side) {
+  const JointUnits units = signal_side == Side::kMotor ? UnitsOf(JointType::kRevolute) : UnitsOf(robot, joint);
+  return units.torque + " per signal unit";
+}
+
 std::string TorqueUnits(const Robot& robot) {
   std::vector<std::string> units;
   for (const Joint& joint : robot.joints) units.push_back(UnitsOf(joint.type).torque);

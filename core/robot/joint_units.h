@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "core/robot/drive_map.h"
 #include "core/robot/robot.h"
 
 namespace idim {
@@ -19,6 +20,10 @@ struct JointUnits {
 
 JointUnits UnitsOf(JointType type);
 JointUnits UnitsOf(const Robot& robot, int joint);  // zero-based
+
+// Of the drive gain of a joint (zero-based). On the motor side a gain makes the torque of a motor, which turns whatever
+// its joint does.
+std::string GainUnit(const Robot& robot, int joint, Side signal_side);
 
 // Of a row with one torque a joint: "N.m" where all joints are of one kind, else one a joint, as in "N.m, N, N.m".
 std::string TorqueUnits(const Robot& robot);

@@ -12,6 +12,7 @@
 #include "core/base/decompositions.h"
 #include "core/base/text.h"
 #include "core/dynamics/base_parameters.h"
+#include "core/robot/joint_units.h"
 #include "core/simulation/effects_truth.h"
 
 namespace idim {
@@ -152,7 +153,8 @@ Json TrueParameters(const Scenario& scenario, const BaseParameters& base) {
   const int n = scenario.robot.dof();
   Json parameters = Json::array();
   for (int j = 0; j < n; ++j) {
-    const Parameter gain = {"g" + std::to_string(j + 1), ParameterKind::kDriveGain, j + 1, "N.m per signal unit"};
+    const Parameter gain = {"g" + std::to_string(j + 1), ParameterKind::kDriveGain, j + 1,
+                            GainUnit(scenario.robot, j, scenario.truth.signal_side)};
     parameters.push_back(ToJson(gain, scenario.gains[j], ""));
   }
   const Eigen::VectorXd chi = base.projection() * scenario.chi;

@@ -33,7 +33,12 @@ Result<Identification> EstimatorRunner::Run(const std::string& name, double esse
   options.essential_ratio = essential_ratio;
   options.huber_threshold = huber;
   if (huber != 0.0 && !estimator->has_robust_loss()) {
-    return Status::BadInput("--huber: only eiv has a robust loss; expected 0 with " + name);
+    std::vector<std::string> robust;
+    for (const Estimator* other : AllEstimators()) {
+      if (other->Takes(mode) && other->has_robust_loss()) robust.push_back(other->name());
+    }
+    return Status::BadInput("--huber: " + name +
+                            " has no robust loss; expected 0, or an estimator that has one: " + Join(robust, ", "));
   }
   if (std::string error; !estimator->IsValid(options, &error)) {
     return Status::BadInput((estimator->has_robust_loss() ? "--r_sigma, --huber: " : "--r_sigma: ") + error);

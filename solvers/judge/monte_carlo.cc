@@ -70,14 +70,12 @@ Result<Simulator> MakeSimulator(const PreparedStudy& prepared, const Estimate& r
                             ": a drive gain of the estimate is zero, so no signal gives its joint a torque");
   }
   const std::vector<int> used = prepared.model.RecordingsFor(Use::kIdentification);
-  std::vector<RecordingRole> roles;
-  for (const int r : used) roles.push_back(prepared.model.roles[static_cast<size_t>(r)]);
   const Preprocessing& preprocessing = prepared.data->preprocessing;
   const StatedModel stated = AsStated(prepared, *arm);
   Simulator simulator;
   simulator.request = SomeRecordings(*prepared.data, used)->request;
   simulator.request.preprocessing = {preprocessing.cutoff_hz, preprocessing.decimation};
-  simulator.model = ForRecordings(WithoutEffects(prepared.model), used, roles);
+  simulator.model = ForRecordings(WithoutEffects(prepared.model), used);
   simulator.model.declared = EffectsAt(stated);
   simulator.parameters = TrueParameters(prepared, *arm);
   simulator.noise.position = prepared.data->position_noise;

@@ -31,9 +31,8 @@ VectorXd DeclaredFriction(const Data& data, const MeasuredRecording& recording, 
 }
 
 // By the linear parameters; the columns of shapes, whose values are steps that are done, do not count.
-VectorXd EffectTorque(const LoopResult& result, size_t recording, int joint, bool friction) {
+VectorXd EffectTorque(const LoopResult& result, const Unknowns& unknowns, size_t recording, int joint, bool friction) {
   const Model& model = result.prepared.model;
-  const Unknowns unknowns(model, UncertainPayload::kExact);
   VectorXd torque = VectorXd::Zero(result.prepared.data->recordings[recording].states->q.rows());
   for (const EffectEntry& entry : model.columns->of_recording[recording]) {
     if (entry.joint != joint) continue;
@@ -56,7 +55,7 @@ double DrivingShare(const VectorXd& velocity, const VectorXd& friction) {
   return static_cast<double>((moving && velocity.array() * friction.array() < 0.0).count()) / count;
 }
 
-EffectCurve Curve(const LoopResult& result, int joint, bool friction) {
+EffectCurve Curve(const LoopResult& result, const Unknowns& unknowns, int joint, bool friction) {
   EffectCurve curve;
   curve.joint = joint;
   std::vector<std::string> ids;
@@ -78,7 +77,7 @@ EffectCurve Curve(const LoopResult& result, int joint, bool friction) {
     const Data& measured = *result.prepared.data;
     const MeasuredRecording& recording = measured.recordings[r];
     const RecordingSeries& series = result.after.series[r];
-    VectorXd torque = EffectTorque(result, r, joint, friction);
+    VectorXd torque = EffectTorque(result, unknowns, r, joint, friction);
     if (friction) {
       torque += DeclaredFriction(measured, recording, result.after.estimate, joint);
       declared.push_back(
@@ -114,9 +113,10 @@ EffectCurve Curve(const LoopResult& result, int joint, bool friction) {
 std::vector<EffectCurve> EffectCurves(const LoopResult& result) {
   std::vector<EffectCurve> curves;
   if (result.after.series.empty()) return curves;
+  const Unknowns unknowns(result.prepared.model, UncertainPayload::kExact);
   for (const bool friction : {true, false}) {
     for (int j = 0; j < result.prepared.robot().dof(); ++j) {
-      EffectCurve curve = Curve(result, j, friction);
+      EffectCurve curve = Curve(result, unknowns, j, friction);
       if (!curve.effects.empty()) curves.push_back(std::move(curve));
     }
   }

@@ -57,9 +57,10 @@ class Columns {
       const Decimator& decimator = *data.recordings[r].decimator;
       recorded_.push_back(motions[r]);
       decimators_.push_back(&decimator);
-      JointStates states = *data.recordings[r].states;
-      states.t = decimator.times();
-      for (MatrixXd* m : {&states.q, &states.dq, &states.ddq}) *m = decimator.Apply(*m);
+      const JointStates& recorded = *data.recordings[r].states;
+      const auto states = std::make_shared<const JointStates>(
+          JointStates{recorded.clock, decimator.times(), decimator.Apply(recorded.q), decimator.Apply(recorded.dq),
+                      decimator.Apply(recorded.ddq)});
       decimated_.push_back(MakeEffectMotion(prepared.base(), states, static_cast<int>(r), data.velocity_sigma,
                                             arm.chi.head(prepared.base().size()), arm.Carried(role),
                                             data.position_sigma));

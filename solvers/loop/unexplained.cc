@@ -29,7 +29,7 @@ struct Signal {
 // be found.
 VectorXd Smooth(const PreparedStudy& prepared, const MeasuredRecording& recording, const MatrixXd& of, int joint) {
   EffectMotion motion;
-  motion.t = recording.states->t;
+  motion.states = recording.states;
   motion.derivative_cutoff_hz = kDerivativeBand * prepared.data->preprocessing.cutoff_hz;
   return recording.decimator->Apply(ForDerivatives(motion, of.col(joint)));
 }

@@ -32,8 +32,8 @@ double Deviation(const MatrixXd& column, const MatrixXd& expected, int edge) {
 TEST(EffectMotionTest, TorquesAreThoseOfTheStandardParameters) {
   const EffectMotion motion = Arm().Motion(0.0, 0.02, 60, 3);
   EXPECT_EQ(motion.recording, 3);
-  for (int i = 0; i < motion.t.size(); ++i) {
-    const ArmState state = Arm().State(motion.t[i]);
+  for (int i = 0; i < motion.t().size(); ++i) {
+    const ArmState state = Arm().State(motion.t()[i]);
     const VectorXd torque = motion.torque.row(i), rigid = motion.rigid.row(i), link = motion.link.row(i);
     ASSERT_LT((torque - Arm().Torque(state)).norm(), 1e-9 * torque.norm());
     ASSERT_LT((rigid - Arm().Torque(state, FrictionStems())).norm(), 1e-9 * torque.norm());
@@ -55,8 +55,8 @@ TEST(EffectMotionTest, AnyGravityOnAnArmThatGravityRegroupsNothingOf) {
   const EffectMotion motion = arm.Motion(0.0, 0.05, 20);
   Robot turned = arm.robot();
   turned.gravity = Vector3d(3.0, -7.0, 4.0);
-  for (int i = 0; i < motion.t.size(); ++i) {
-    const ArmState state = arm.State(motion.t[i]);
+  for (int i = 0; i < motion.t().size(); ++i) {
+    const ArmState state = arm.State(motion.t()[i]);
     const VectorXd expected = arm.Torque(turned, state, arm.payload(), FrictionStems());
     ASSERT_LT((motion.rigid_torque(state.q, state.dq, state.ddq, turned.gravity) - expected).norm(),
               1e-9 * expected.norm());
@@ -74,7 +74,7 @@ TEST(EffectMotionTest, ThreadsMayAskAtOnce) {
       for (int call = 0; call < 40000; ++call) {
         const int i = call % 400;
         const VectorXd rigid =
-            motion.rigid_torque(motion.q.row(i), motion.dq.row(i), motion.ddq.row(i), motion.robot->gravity);
+            motion.rigid_torque(motion.q().row(i), motion.dq().row(i), motion.ddq().row(i), motion.robot->gravity);
         wrong += rigid != VectorXd(motion.rigid.row(i));
       }
     });
@@ -93,13 +93,13 @@ TEST(ArmEffectsTest, BaseTiltIsGravityTurned) {
   for (int axis = 0; axis < 2; ++axis) {
     const MatrixXd column = ColumnOf("base_tilt", motion, {}, {}, axis);
     MatrixXd expected(column.rows(), 6);
-    for (int i = 0; i < motion.t.size(); ++i) {
+    for (int i = 0; i < motion.t().size(); ++i) {
       VectorXd side[2];
       for (const int s : {0, 1}) {
         Robot tilted = Arm().robot();
         const Eigen::AngleAxisd turn(s == 0 ? -angle : angle, Vector3d::Unit(axis));
         tilted.gravity = turn * tilted.gravity;
-        side[s] = Arm().Torque(tilted, Arm().State(motion.t[i]), Arm().payload());
+        side[s] = Arm().Torque(tilted, Arm().State(motion.t()[i]), Arm().payload());
       }
       expected.row(i) = (side[1] - side[0]) / (2.0 * angle);
     }
@@ -132,10 +132,10 @@ TEST(ArmEffectsTest, PayloadChangeIsABodyFromItsInstantOn) {
     MatrixXd column = MatrixXd::Zero(101, 6);
     for (int k = 0; k < 4; ++k) column += body[kMX + k] * ColumnOf("payload_change", motion, {}, {2.0 + fraction}, k);
     for (int i = 0; i < 101; ++i) {
-      const ArmState state = Arm().State(motion.t[i]);
+      const ArmState state = Arm().State(motion.t()[i]);
       const VectorXd torque = Arm().Torque(state);
       VectorXd change = Arm().Torque(Arm().robot(), state, Arm().payload() + body) - torque;
-      if (motion.t[i] < 5.0 + fraction - 1e-9) change.setZero();
+      if (motion.t()[i] < 5.0 + fraction - 1e-9) change.setZero();
       ASSERT_LT((column.row(i).transpose() - change).norm(), 1e-9 * torque.norm()) << i;
     }
   }
@@ -152,8 +152,8 @@ TEST(ArmEffectsTest, TimeDelayIsTheTorqueOfAnEarlierInstant) {
   const double delay = 1e-5;
   MatrixXd expected(800, 6), column(800, 6);
   for (int i = 0; i < 800; ++i) {
-    const VectorXd late = arm.Torque(arm.State(motion.t[i] - delay));
-    expected.row(i) = (late - arm.Torque(arm.State(motion.t[i]))) / delay;
+    const VectorXd late = arm.Torque(arm.State(motion.t()[i] - delay));
+    expected.row(i) = (late - arm.Torque(arm.State(motion.t()[i]))) / delay;
   }
   for (int j = 0; j < 6; ++j) {
     const MatrixXd of_joint = ColumnOf("time_delay", motion, {j}, {});
@@ -168,7 +168,7 @@ TEST(ArmEffectsTest, GainSaturationIsTheCubeOfTheTorque) {
   for (int j = 0; j < 6; ++j) {
     const MatrixXd column = ColumnOf("gain_saturation", motion, {j}, {});
     for (int i = 0; i < 100; ++i) {
-      const double torque = Arm().Torque(Arm().State(motion.t[i]))[j];
+      const double torque = Arm().Torque(Arm().State(motion.t()[i]))[j];
       ASSERT_NEAR(column(i, j), torque * torque * torque, 1e-8 * column.cwiseAbs().maxCoeff());
     }
     EXPECT_EQ(column.norm(), column.col(j).norm());
@@ -181,9 +181,9 @@ template <typename Displacement>
 MatrixXd MovedLink(const EffectMotion& motion, int joint, double p, double h, Displacement&& displacement) {
   const std::vector<std::string> without = {"Fv", "Fs", "off", "Ia"};
   const auto at = [&](double t) { return displacement(Arm().Torque(Arm().State(t), without)[joint]); };
-  MatrixXd column(motion.t.size(), 6);
-  for (int i = 0; i < motion.t.size(); ++i) {
-    const double t = motion.t[i], before = at(t - h), now = at(t), after = at(t + h);
+  MatrixXd column(motion.t().size(), 6);
+  for (int i = 0; i < motion.t().size(); ++i) {
+    const double t = motion.t()[i], before = at(t - h), now = at(t), after = at(t + h);
     const ArmState motor = Arm().State(t);
     ArmState link = motor;
     link.q[joint] += p * now;
@@ -215,12 +215,12 @@ TEST(ArmEffectsTest, BacklashLetsTheLinkFlyBetweenItsFlanks) {
   const MatrixXd column = ColumnOf("backlash", motion, {j}, {gap});
   enum Phase { kContact, kFlight };
   std::vector<Phase> phases;
-  VectorXd place(motion.t.size());
+  VectorXd place(motion.t().size());
   double r = 0.0, speed = 0.0;
-  for (int i = 0; i < motion.t.size(); ++i) {
+  for (int i = 0; i < motion.t().size(); ++i) {
     bool flown = false, touched = false;
     for (int k = 0; k < substeps; ++k) {
-      const double t = motion.t[i] + (k - 0.5 * substeps) * h;
+      const double t = motion.t()[i] + (k - 0.5 * substeps) * h;
       const double torque = Arm().Torque(Arm().State(t), without)[j];
       if (i == 0 && k == 0) r = torque > 0.0 ? -gap : gap;
       const bool pressed = torque > 0.0 ? r == -gap : r == gap;
@@ -240,17 +240,17 @@ TEST(ArmEffectsTest, BacklashLetsTheLinkFlyBetweenItsFlanks) {
   const double rms = motion.link.col(j).norm() / std::sqrt(2000.0);
   double largest = 0.0;
   int in_flight = 0, in_contact = 0;
-  for (int i = 4; i + 4 < motion.t.size(); ++i) {
+  for (int i = 4; i + 4 < motion.t().size(); ++i) {
     if (std::count(phases.begin() + i - 4, phases.begin() + i + 5, phases[i]) != 9) continue;
     if (phases[i] == kFlight) {
       EXPECT_NEAR(motion.link(i, j) + gap * column(i, j), 0.0, 0.01 * rms) << i;
       largest = std::max(largest, std::abs(motion.link(i, j)));
       ++in_flight;
     } else {
-      ArmState moved = Arm().State(motion.t[i]);
+      ArmState moved = Arm().State(motion.t()[i]);
       const double side = place[i] / gap;
       moved.q[j] += 1e-4 * side;
-      const VectorXd change = (Arm().Torque(moved, without) - Arm().Torque(Arm().State(motion.t[i]), without)) / 1e-4;
+      const VectorXd change = (Arm().Torque(moved, without) - Arm().Torque(Arm().State(motion.t()[i]), without)) / 1e-4;
       ASSERT_LT((column.row(i).transpose() - change).norm(), 1e-3 * (1.0 + change.norm())) << i;
       ++in_contact;
     }
@@ -264,9 +264,9 @@ TEST(ArmEffectsTest, BacklashLetsTheLinkFlyBetweenItsFlanks) {
 TEST(ArmEffectsTest, DriveInertiaStaysAtTheMotor) {
   const EffectMotion motion = Arm().Motion(0.0, 0.01, 50);
   const VectorXd difference = motion.rigid.col(3) - motion.link.col(3);
-  const double inertia = difference.dot(motion.ddq.col(3)) / motion.ddq.col(3).squaredNorm();
+  const double inertia = difference.dot(motion.ddq().col(3)) / motion.ddq().col(3).squaredNorm();
   EXPECT_GT(inertia, 0.04);
-  EXPECT_LT((difference - inertia * motion.ddq.col(3)).norm(), 1e-9 * difference.norm());
+  EXPECT_LT((difference - inertia * motion.ddq().col(3)).norm(), 1e-9 * difference.norm());
 }
 
 }  // namespace

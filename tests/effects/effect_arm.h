@@ -63,7 +63,8 @@ class EffectArm {
       states.dq.row(i) = state.dq;
       states.ddq.row(i) = state.ddq;
     }
-    return MakeEffectMotion(base_, states, recording, sigma_, base_.projection() * standard_, payload_, position_sigma);
+    return MakeEffectMotion(base_, std::make_shared<const JointStates>(states), recording, sigma_,
+                            base_.projection() * standard_, payload_, position_sigma);
   }
 
   // By all standard parameters whose names do not begin with one of `without`, in any gravity.
@@ -120,7 +121,7 @@ inline std::vector<std::vector<int>> SitesOf(const Effect& effect, int n) {
 inline Eigen::MatrixXd ColumnOf(const std::string& id, const EffectMotion& motion, const std::vector<int>& joints,
                                 const std::vector<double>& shape, int parameter = 0) {
   const Eigen::VectorXd values = Eigen::Map<const Eigen::VectorXd>(shape.data(), shape.size());
-  Eigen::MatrixXd column = Eigen::MatrixXd::Zero(motion.t.size(), motion.robot->dof());
+  Eigen::MatrixXd column = Eigen::MatrixXd::Zero(motion.t().size(), motion.robot->dof());
   for (const EffectEntry& entry : FindEffect(id)->Columns(motion, joints, values)) {
     if (entry.parameter == parameter) column.col(entry.joint) += entry.torque;
   }

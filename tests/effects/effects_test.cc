@@ -75,11 +75,11 @@ TEST(EffectsTest, EntriesAreWellFormedAndLargeForAMovingArmFiniteForOneAtRest) {
   EffectMotion still = Arm().Motion(0.0, 0.002, 50);
   {
     JointStates states;
-    states.t = still.t;
-    states.q = still.q.row(0).replicate(50, 1);
+    states.t = still.t();
+    states.q = still.q().row(0).replicate(50, 1);
     states.dq = states.ddq = MatrixXd::Zero(50, 6);
-    still = MakeEffectMotion(Arm().base(), states, 0, VectorXd::Zero(6), VectorXd::Ones(Arm().base().size()),
-                             InertialVector::Zero());
+    still = MakeEffectMotion(Arm().base(), std::make_shared<const JointStates>(states), 0, VectorXd::Zero(6),
+                             VectorXd::Ones(Arm().base().size()), InertialVector::Zero());
   }
   for (const EffectMotion* motion : {&Motion(), static_cast<const EffectMotion*>(&still)}) {
     const std::vector<EffectMotion> motions = {*motion};
@@ -92,7 +92,7 @@ TEST(EffectsTest, EntriesAreWellFormedAndLargeForAMovingArmFiniteForOneAtRest) {
           ASSERT_LT(entry.parameter, static_cast<int>(count)) << effect->id();
           ASSERT_GE(entry.joint, 0);
           ASSERT_LT(entry.joint, 6);
-          ASSERT_EQ(entry.torque.size(), motion->t.size()) << effect->id();
+          ASSERT_EQ(entry.torque.size(), motion->t().size()) << effect->id();
           EXPECT_TRUE(entry.torque.allFinite()) << effect->id();
           power[entry.parameter] += entry.torque.squaredNorm();
         }
@@ -128,7 +128,7 @@ TEST(EffectsTest, ShapeGridsIncreaseWithinTheirLimits) {
     return FindEffect(id)->Shapes(motions, joints)[0].grid;
   };
   const auto extreme = [&](auto&& value) { return std::max(value(motions[0]), value(motions[1])); };
-  const double speed = extreme([](const EffectMotion& m) { return m.dq.col(1).cwiseAbs().maxCoeff(); });
+  const double speed = extreme([](const EffectMotion& m) { return m.dq().col(1).cwiseAbs().maxCoeff(); });
   EXPECT_NEAR(grid("stribeck", {1}).front(), 2.0 * arm.sigma()[1], 1e-12);
   EXPECT_NEAR(grid("stribeck", {1}).back(), 0.5 * speed, 1e-12);
   EXPECT_NEAR(grid("thermal_drift", {1}).front(), 0.1 * 2.998, 1e-9);
@@ -140,8 +140,8 @@ TEST(EffectsTest, ShapeGridsIncreaseWithinTheirLimits) {
   EXPECT_THAT(instants, Contains(2.0));
   EXPECT_THAT(instants, Contains(2.875));
 
-  const double range = extreme([](const EffectMotion& m) { return m.q.col(1).maxCoeff(); }) +
-                       extreme([](const EffectMotion& m) { return -m.q.col(1).minCoeff(); });
+  const double range = extreme([](const EffectMotion& m) { return m.q().col(1).maxCoeff(); }) +
+                       extreme([](const EffectMotion& m) { return -m.q().col(1).minCoeff(); });
   const std::vector<double> orders = grid("torque_ripple", {1});
   EXPECT_NEAR(orders.front() * range, 2.0 * 2.0 * M_PI, 1e-9);
   for (size_t k = 1; k < orders.size(); ++k) EXPECT_LE(orders[k] - orders[k - 1], 0.5 * M_PI / range + 1e-9);
@@ -150,7 +150,7 @@ TEST(EffectsTest, ShapeGridsIncreaseWithinTheirLimits) {
   // A slow clock ends the grid at the order that would alias at the largest speed, transmission or not.
   const std::vector<EffectMotion> slow = {arm.Motion(0.0, 0.025, 100)};
   const std::vector<double> few = FindEffect("torque_ripple")->Shapes(slow, {1})[0].grid;
-  const double slow_speed = slow[0].dq.col(1).cwiseAbs().maxCoeff();
+  const double slow_speed = slow[0].dq().col(1).cwiseAbs().maxCoeff();
   EXPECT_NEAR(few.back(), M_PI * 40.0 / slow_speed, 1e-6 * few.back());
   EXPECT_GT(32.0 * 4.0, few.back());
   for (const double multiple : {1.0, 2.0, 4.0}) EXPECT_THAT(orders, Contains(DoubleNear(32.0 * multiple, 1e-9)));
@@ -181,8 +181,8 @@ TEST(EffectsTest, DeclaredFrictionIsThatOfTheStandardModel) {
       const Parameter parameter = FindEffect(ids[e])->Parameters(Arm().robot(), {j})[0];
       EXPECT_EQ(parameter.name, model.parameters()[index].name);
       EXPECT_EQ(parameter.unit, model.parameters()[index].unit);
-      for (int i = 0; i < Motion().t.size(); ++i) {
-        const VectorXd q = Motion().q.row(i), dq = Motion().dq.row(i), ddq = Motion().ddq.row(i);
+      for (int i = 0; i < Motion().t().size(); ++i) {
+        const VectorXd q = Motion().q().row(i), dq = Motion().dq().row(i), ddq = Motion().ddq().row(i);
         model.Regressor(q.data(), dq.data(), ddq.data(), Arm().sigma().data(), w.data());
         for (int row = 0; row < 6; ++row) ASSERT_EQ(column(i, row), w[row * model.columns() + index]) << ids[e];
       }
@@ -200,10 +200,10 @@ TEST(EffectsTest, FrictionColumnsFollowTheirFormulas) {
     const MatrixXd load = ColumnOf("load_friction", motion, {j}, {});
     const MatrixXd warm_viscous = ColumnOf("thermal_drift", motion, {j}, {1.7}, 0);
     const MatrixXd warm_dry = ColumnOf("thermal_drift", motion, {j}, {1.7}, 1);
-    for (int i = 0; i < motion.t.size(); ++i) {
-      const ArmState state = Arm().State(motion.t[i]);
+    for (int i = 0; i < motion.t().size(); ++i) {
+      const ArmState state = Arm().State(motion.t()[i]);
       const double dq = state.dq[j], sign = Sign(dq, Arm().sigma()[j]);
-      const double warm = 1.0 - std::exp(-(motion.t[i] - 3.0) / 1.7);
+      const double warm = 1.0 - std::exp(-(motion.t()[i] - 3.0) / 1.7);
       ASSERT_NEAR(stribeck(i, j), sign * std::exp(-dq * dq / 0.09), 1e-8);
       ASSERT_NEAR(power(i, j), sign * std::pow(std::abs(dq), 0.4), 1e-8);
       ASSERT_NEAR(viscous(i, j), std::abs(dq), 1e-12);
@@ -224,22 +224,23 @@ TEST(EffectsTest, PreslidingIsTheDahlModelIntegratedInTime) {
   const int j = 2, substeps = 400;
   const double xs = 0.02;
   const MatrixXd column = ColumnOf("presliding", motion, {j}, {xs});
-  double z = motion.dq(0, j) > 0.0 ? 1.0 : -1.0;
-  ASSERT_GT(std::abs(motion.dq(0, j)), 6.0 * Arm().sigma()[j]);  // it comes slipping
-  for (int i = 0; i + 1 < motion.t.size(); ++i) {
+  double z = motion.dq()(0, j) > 0.0 ? 1.0 : -1.0;
+  ASSERT_GT(std::abs(motion.dq()(0, j)), 6.0 * Arm().sigma()[j]);  // it comes slipping
+  for (int i = 0; i + 1 < motion.t().size(); ++i) {
     ASSERT_NEAR(column(i, j), z, 2e-3) << i;
-    const double h = (motion.t[i + 1] - motion.t[i]) / substeps;
+    const double h = (motion.t()[i + 1] - motion.t()[i]) / substeps;
     for (int k = 0; k < substeps; ++k) {
       // Only this joint's speed, by Hermite's cubic between the samples: the states of all joints cost more.
-      const double s = (k + 0.5) / substeps, d = motion.t[i + 1] - motion.t[i];
-      const double dq = (6.0 * s * s - 6.0 * s) * (motion.q(i, j) - motion.q(i + 1, j)) / d +
-                        (3.0 * s * s - 4.0 * s + 1.0) * motion.dq(i, j) + (3.0 * s * s - 2.0 * s) * motion.dq(i + 1, j);
+      const double s = (k + 0.5) / substeps, d = motion.t()[i + 1] - motion.t()[i];
+      const double dq = (6.0 * s * s - 6.0 * s) * (motion.q()(i, j) - motion.q()(i + 1, j)) / d +
+                        (3.0 * s * s - 4.0 * s + 1.0) * motion.dq()(i, j) +
+                        (3.0 * s * s - 2.0 * s) * motion.dq()(i + 1, j);
       z += h * ((dq > 0.0) - (dq < 0.0) - z) * std::abs(dq) / xs;
     }
   }
   // It has turned at least twice, else there is no hysteresis to see.
   int reversals = 0;
-  for (int i = 1; i < motion.t.size(); ++i) reversals += motion.dq(i, j) * motion.dq(i - 1, j) < 0.0;
+  for (int i = 1; i < motion.t().size(); ++i) reversals += motion.dq()(i, j) * motion.dq()(i - 1, j) < 0.0;
   EXPECT_GE(reversals, 2);
 }
 
@@ -251,19 +252,21 @@ TEST(EffectsTest, PreslidingDoesNotForgetAtRestBecauseOfEncoderNoise) {
   std::mt19937_64 generator(1);
   std::normal_distribution<double> normal(0.0, sigma);
   const int slide = 100, rest = 20000;
+  const auto states = std::make_shared<JointStates>();
   EffectMotion motion;
   const Robot robot = Tx40();
   motion.robot = &robot;
-  motion.t = VectorXd::LinSpaced(slide + rest, 0.0, 1.0);
-  motion.q = motion.dq = MatrixXd::Zero(slide + rest, 6);
+  motion.states = states;
+  states->t = VectorXd::LinSpaced(slide + rest, 0.0, 1.0);
+  states->q = states->dq = MatrixXd::Zero(slide + rest, 6);
   motion.velocity_sigma = VectorXd::Zero(6);
-  for (int i = 0; i < slide + rest; ++i) motion.q(i, 0) = 1e-4 * std::min(i, slide) + normal(generator);
+  for (int i = 0; i < slide + rest; ++i) states->q(i, 0) = 1e-4 * std::min(i, slide) + normal(generator);
   const double worn = ColumnOf("presliding", motion, {0}, {xs})(slide + rest - 1, 0);
   motion.position_sigma = VectorXd::Constant(6, sigma);
   const double kept = ColumnOf("presliding", motion, {0}, {xs})(slide + rest - 1, 0);
-  motion.dq(0, 0) = 1.0;  // a start in motion is remembered until a slide of a few x_s
+  states->dq(0, 0) = 1.0;  // a start in motion is remembered until a slide of a few x_s
   EXPECT_NEAR(ColumnOf("presliding", motion, {0}, {1e3})(0, 0), 1.0, 1e-6);
-  motion.dq(0, 0) = -1.0;
+  states->dq(0, 0) = -1.0;
   EXPECT_NEAR(ColumnOf("presliding", motion, {0}, {1e3})(0, 0), -1.0, 1e-6);
   EXPECT_LT(std::abs(worn), 0.1);
   EXPECT_GT(kept, 0.95);
@@ -276,8 +279,8 @@ TEST(EffectsTest, RippleSpringAndCouplingFollowTheirFormulas) {
   const MatrixXd spring = ColumnOf("joint_spring", motion, {3}, {});
   const MatrixXd inertia = ColumnOf("motor_coupling", motion, {1, 3}, {}, 0);
   const MatrixXd viscous = ColumnOf("motor_coupling", motion, {1, 3}, {}, 1);
-  for (int i = 0; i < motion.t.size(); ++i) {
-    const ArmState state = Arm().State(motion.t[i]);
+  for (int i = 0; i < motion.t().size(); ++i) {
+    const ArmState state = Arm().State(motion.t()[i]);
     ASSERT_NEAR(cosine(i, 3), std::cos(17.5 * state.q[3]), 1e-10);
     ASSERT_NEAR(sine(i, 3), std::sin(17.5 * state.q[3]), 1e-10);
     ASSERT_NEAR(spring(i, 3), state.q[3], 1e-12);
@@ -289,7 +292,7 @@ TEST(EffectsTest, RippleSpringAndCouplingFollowTheirFormulas) {
   // The pair 5-6 is the coupling that the TX-40 declares, whose columns StandardModel has.
   StandardModel model(Tx40(), FrictionModel());
   std::vector<double> w(6 * model.columns());
-  const VectorXd q = motion.q.row(9), dq = motion.dq.row(9), ddq = motion.ddq.row(9);
+  const VectorXd q = motion.q().row(9), dq = motion.dq().row(9), ddq = motion.ddq().row(9);
   model.Regressor(q.data(), dq.data(), ddq.data(), Arm().sigma().data(), w.data());
   for (int row = 0; row < 6; ++row) {
     EXPECT_NEAR(ColumnOf("motor_coupling", motion, {4, 5}, {}, 0)(9, row),

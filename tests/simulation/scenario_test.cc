@@ -244,6 +244,26 @@ TEST_F(ScenarioFile, UrdfTravelsWithTheData) {
   EXPECT_TRUE(fs::exists(folder_ / "out/one.urdf"));
 }
 
+TEST_F(ScenarioFile, TruthFileHasAGainInTheUnitOfItsJoint) {
+  Write("slide.urdf",
+        "<robot name='slide'><link name='base'/><link name='arm'/><joint name='j' type='prismatic'>"
+        "<parent link='base'/><child link='arm'/><axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' "
+        "velocity='1'/></joint></robot>");
+  Write("robot.yaml", "name: slide\nurdf: slide.urdf\n");
+  for (const auto& [side, unit] :
+       {std::pair("joint", "N per signal unit"), std::pair("motor", "N.m per signal unit")}) {
+    RenderAndReadStudy(
+        Read("robot: robot.yaml\nparameters: [{M: 1, Fv: 1}]\nlimits: {velocity: 1, acceleration: 5, jerk: 50}\n"
+             "signal_side: " +
+             std::string(side) +
+             "\n"
+             "recordings: [{name: a, seed: 1, trajectory: {type: point_to_point, via: [[0], [1]]}}]\n"));
+    const nlohmann::json json = nlohmann::json::parse(std::ifstream(folder_ / "out/truth.json"));
+    EXPECT_EQ(json["parameters"][0]["name"], "g1");
+    EXPECT_EQ(json["parameters"][0]["unit"], unit) << side;
+  }
+}
+
 struct BadCase {
   const char* name;
   const char* from;

@@ -37,9 +37,7 @@ void EditRecordings(PreparedStudy* prepared, Edit edit) {
 
 // Some of the recordings in their roles.
 inline void KeepRecordings(const std::vector<int>& indices, PreparedStudy* prepared) {
-  std::vector<RecordingRole> roles;
-  for (const int r : indices) roles.push_back(prepared->model.roles[static_cast<size_t>(r)]);
-  *prepared = {SomeRecordings(*prepared->data, indices), ForRecordings(prepared->model, indices, roles)};
+  *prepared = {SomeRecordings(*prepared->data, indices), ForRecordings(prepared->model, indices)};
 }
 
 // edit(std::vector<BundleSample>*) likewise.

@@ -46,12 +46,12 @@ Status CheckFlags() {
 
 Status Run(const std::string& study_path) {
   const auto start = std::chrono::steady_clock::now();
-  if (Status status = CheckFlags(); !status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(CheckFlags());
   const idim::Result<idim::Study> study = idim::ReadStudy(study_path);
-  if (!study.ok()) return study.status();
+  IDIM_RETURN_IF_ERROR(study);
   idim::Progress progress;
   const idim::Result<idim::PreparedStudy> prepared = idim::PrepareStudy(*study);
-  if (!prepared.ok()) return prepared.status();
+  IDIM_RETURN_IF_ERROR(prepared);
   idim::LoopOptions options;
   options.significance = FLAGS_significance;
   options.margin = FLAGS_margin;
@@ -59,7 +59,7 @@ Status Run(const std::string& study_path) {
   options.threads = FLAGS_threads;
   options.progress = [&progress](const std::string& stage) { progress.At(stage); };
   idim::Result<idim::LoopResult> loop = idim::CloseLoop(*prepared, options);
-  if (!loop.ok()) return loop.status();
+  IDIM_RETURN_IF_ERROR(loop);
 
   progress.At("report");
   idim::Estimate& estimate = loop->after.estimate;
@@ -73,7 +73,7 @@ Status Run(const std::string& study_path) {
                                          {"estimate.json", idim::EstimateToJson(estimate)},
                                          {"report.html", idim::RenderLoopReport(*loop)}};
   if (!estimate.parameters.empty()) files.push_back({"residuals.csv", idim::ResidualsToCsv(loop->after.series)});
-  if (Status written = idim::WriteFiles(FLAGS_output, files); !written.ok()) return written;
+  IDIM_RETURN_IF_ERROR(idim::WriteFiles(FLAGS_output, files));
   progress.Clear();
   std::cout << idim::LoopToText(*loop) << "\nwritten to " << FLAGS_output << ":";
   for (const idim::OutputFile& file : files) std::cout << " " << file.name;

@@ -72,27 +72,27 @@ Status Simulate(const idim::PreparedStudy& prepared, idim::Progress* progress, i
   idim::Result<idim::MonteCarlo> monte_carlo =
       RunMonteCarlo(prepared, *reference, idim::EstimatorNames(prepared.model.gains_mode), options,
                     [&](int done) { progress->At("run " + std::to_string(done) + of_all); });
-  if (!monte_carlo.ok()) return monte_carlo.status();
+  IDIM_RETURN_IF_ERROR(monte_carlo);
   comparison->monte_carlo = std::move(monte_carlo).value();
   return Status::Ok();
 }
 
 Status Run(const std::string& study_path) {
-  if (Status flags = CheckMonteCarloFlags(); !flags.ok()) return flags;
+  IDIM_RETURN_IF_ERROR(CheckMonteCarloFlags());
   const idim::Result<std::vector<idim::Reference>> references = idim::ReadReferences(FLAGS_reference);
-  if (!references.ok()) return references.status();
+  IDIM_RETURN_IF_ERROR(references);
   const idim::Result<idim::Study> study = idim::ReadStudy(study_path);
-  if (!study.ok()) return study.status();
+  IDIM_RETURN_IF_ERROR(study);
   idim::Progress progress;
   progress.At("reading and filtering");
   const idim::Result<idim::PreparedStudy> plain = idim::PrepareStudy(*study);
-  if (!plain.ok()) return plain.status();
+  IDIM_RETURN_IF_ERROR(plain);
   if (!study->effects.empty()) progress.At("declared effects");
   const idim::Result<idim::PreparedStudy> prepared = idim::DeclareEffects(*plain);
-  if (!prepared.ok()) return prepared.status();
+  IDIM_RETURN_IF_ERROR(prepared);
   progress.At("observation matrix");
   const idim::Result<idim::EstimatorRunner> runner = idim::EstimatorRunner::Create(&*prepared);
-  if (!runner.ok()) return runner.status();
+  IDIM_RETURN_IF_ERROR(runner);
   idim::Comparison comparison;
   comparison.references = *references;
   bool any_usable = false;
@@ -100,7 +100,7 @@ Status Run(const std::string& study_path) {
     progress.At(name);
     const auto start = std::chrono::steady_clock::now();
     idim::Result<idim::Identification> identification = runner->Run(name, FLAGS_r_sigma);
-    if (!identification.ok()) return identification.status();
+    IDIM_RETURN_IF_ERROR(identification);
     idim::Estimate& estimate = identification->estimate;
     estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     any_usable |= estimate.status.ok();
@@ -109,18 +109,17 @@ Status Run(const std::string& study_path) {
   comparison.sequential = runner->RunSequential();
   progress.At("is LS biased?");
   idim::Result<std::vector<idim::BiasTest>> bias = runner->TestBias();
-  if (!bias.ok()) return bias.status();
+  IDIM_RETURN_IF_ERROR(bias);
   comparison.bias_tests = std::move(bias).value();
   Status simulated = Status::Ok();
   if (FLAGS_monte_carlo > 0) simulated = Simulate(*prepared, &progress, &comparison);
   if (simulated.code() == idim::StatusCode::kBadInput) return simulated;
-  const Status written = idim::WriteFiles(FLAGS_output, {{"comparison.json", idim::ComparisonToJson(comparison)},
-                                                         {"report.html", idim::RenderComparisonReport(comparison)}});
-  if (!written.ok()) return written;
+  IDIM_RETURN_IF_ERROR(idim::WriteFiles(FLAGS_output, {{"comparison.json", idim::ComparisonToJson(comparison)},
+                                                       {"report.html", idim::RenderComparisonReport(comparison)}}));
   progress.Clear();
   std::cout << idim::ComparisonToText(comparison);
   std::cout << "\nwritten to " << FLAGS_output << ": comparison.json report.html\n";
-  if (!simulated.ok()) return simulated;
+  IDIM_RETURN_IF_ERROR(simulated);
   if (any_usable) return Status::Ok();
   return Status::Untrusted("no estimator gives an estimate that can be trusted; the first says: " +
                            comparison.estimates.front().status.message());

@@ -36,12 +36,12 @@ using idim::Status;
 Status Run(const std::string& study_path) {
   const auto start = std::chrono::steady_clock::now();
   const idim::Result<std::vector<idim::Reference>> references = idim::ReadReferences(FLAGS_reference);
-  if (!references.ok()) return references.status();
+  IDIM_RETURN_IF_ERROR(references);
   const idim::Result<idim::Study> study = idim::ReadStudy(study_path);
-  if (!study.ok()) return study.status();
+  IDIM_RETURN_IF_ERROR(study);
   idim::Progress progress;
   const idim::Result<idim::PreparedStudy> plain = idim::PrepareStudy(*study);
-  if (!plain.ok()) return plain.status();
+  IDIM_RETURN_IF_ERROR(plain);
   if (!study->effects.empty()) progress.At("declared effects");
   const idim::Result<idim::PreparedStudy> prepared = idim::DeclareEffects(*plain);
   if (prepared.status().code() == idim::StatusCode::kUntrusted) {
@@ -52,12 +52,12 @@ Status Run(const std::string& study_path) {
     const Status written = idim::WriteFiles(FLAGS_output, {{"estimate.json", idim::EstimateToJson(untrusted)}});
     return written.ok() ? prepared.status() : written;
   }
-  if (!prepared.ok()) return prepared.status();
+  IDIM_RETURN_IF_ERROR(prepared);
   progress.At("observation matrix, " + FLAGS_estimator);
   const idim::Result<idim::EstimatorRunner> runner = idim::EstimatorRunner::Create(&*prepared);
-  if (!runner.ok()) return runner.status();
+  IDIM_RETURN_IF_ERROR(runner);
   idim::Result<idim::Identification> identification = runner->Run(FLAGS_estimator, FLAGS_r_sigma, FLAGS_huber);
-  if (!identification.ok()) return identification.status();
+  IDIM_RETURN_IF_ERROR(identification);
 
   progress.At("report");
   idim::Estimate& estimate = identification->estimate;
@@ -66,12 +66,11 @@ Status Run(const std::string& study_path) {
     const Status written = idim::WriteFiles(FLAGS_output, {{"estimate.json", idim::EstimateToJson(estimate)}});
     return written.ok() ? estimate.status : written;
   }
-  const Status written = idim::WriteFiles(
-      FLAGS_output,
-      {{"estimate.json", idim::EstimateToJson(estimate)},
-       {"residuals.csv", idim::ResidualsToCsv(identification->series)},
-       {"report.html", idim::RenderIdentificationReport(study->robot, estimate, identification->series, *references)}});
-  if (!written.ok()) return written;
+  IDIM_RETURN_IF_ERROR(idim::WriteFiles(
+      FLAGS_output, {{"estimate.json", idim::EstimateToJson(estimate)},
+                     {"residuals.csv", idim::ResidualsToCsv(identification->series)},
+                     {"report.html",
+                      idim::RenderIdentificationReport(study->robot, estimate, identification->series, *references)}}));
   progress.Clear();
   std::cout << idim::EstimateToText(estimate, idim::TorqueUnits(study->robot));
   for (const idim::Reference& reference : *references) {

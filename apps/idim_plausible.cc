@@ -54,10 +54,10 @@ void PrintTable(const idim::BaseParameters& base, const idim::PlausibleRequest& 
 
 idim::Status Run(const std::string& robot_path, const std::string& request_path) {
   idim::Result<idim::Robot> robot = idim::ReadRobot(robot_path);
-  if (!robot.ok()) return robot.status();
+  IDIM_RETURN_IF_ERROR(robot);
   const idim::BaseParameters base(idim::StandardModel(*robot, idim::FrictionModel()));
   const idim::Result<idim::PlausibleRequest> request = idim::ReadPlausibleRequest(request_path, base);
-  if (!request.ok()) return request.status();
+  IDIM_RETURN_IF_ERROR(request);
   const idim::PlausibleSummary summary = idim::FindPlausibleParameters(base, *request);
   if (!summary.IsSolutionUsable()) return idim::Status::Untrusted("no convergence: " + summary.message);
   PrintTable(base, *request, summary);

@@ -17,9 +17,9 @@ namespace {
 
 idim::Status Run(const std::string& scenario_path) {
   const idim::Result<idim::Scenario> scenario = idim::ReadScenario(scenario_path, idim::EffectEquations());
-  if (!scenario.ok()) return scenario.status();
+  IDIM_RETURN_IF_ERROR(scenario);
   const idim::Result<std::vector<idim::OutputFile>> files = idim::RenderScenario(*scenario);
-  if (!files.ok()) return files.status();
+  IDIM_RETURN_IF_ERROR(files);
   return idim::WriteFiles(FLAGS_output, *files);
 }
 

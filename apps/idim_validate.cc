@@ -20,23 +20,23 @@ using idim::Status;
 
 Status Run(const std::string& study_path) {
   const idim::Result<std::vector<idim::Reference>> estimates = idim::ReadReferences(FLAGS_estimate);
-  if (!estimates.ok()) return estimates.status();
+  IDIM_RETURN_IF_ERROR(estimates);
   const idim::Result<idim::Study> study = idim::ReadStudy(study_path);
-  if (!study.ok()) return study.status();
+  IDIM_RETURN_IF_ERROR(study);
   idim::Progress progress;
   const idim::Result<idim::PreparedStudy> prepared = idim::PrepareStudy(*study);
-  if (!prepared.ok()) return prepared.status();
+  IDIM_RETURN_IF_ERROR(prepared);
   std::vector<idim::Validation> validations;
   for (const idim::Reference& estimate : *estimates) {
     progress.At(estimate.name);
     idim::Result<idim::Validation> validation = idim::Validate(*prepared, estimate);
-    if (!validation.ok()) return validation.status();
+    IDIM_RETURN_IF_ERROR(validation);
     validations.push_back(std::move(validation).value());
   }
   const Status written =
       idim::WriteFiles(FLAGS_output, {{"validation.json", idim::ValidationToJson(study->robot.name, validations)},
                                       {"report.html", idim::RenderValidationReport(study->robot, validations)}});
-  if (!written.ok()) return written;
+  IDIM_RETURN_IF_ERROR(written);
   progress.Clear();
   std::cout << idim::ValidationToText(validations);
   std::cout << "\nwritten to " << FLAGS_output << ": validation.json report.html\n";

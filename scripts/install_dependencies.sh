@@ -3,7 +3,8 @@
 # and the plotting library of the reports by npm. Does nothing, quickly, where all of it is there.
 #
 #   scripts/install_dependencies.sh            to build the libraries, programs, tests and benchmarks
-#   scripts/install_dependencies.sh --tests    also the browser in which the tests open the reports, Doxygen and what checks style
+#   scripts/install_dependencies.sh --tests    also the browser in which the tests open the reports, Doxygen, the compiler of the
+#                                              sanitized build and what checks style
 #   scripts/install_dependencies.sh --benchmarks   also ODRPACK, the peer of benchmarks/compare_bundle.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -18,7 +19,7 @@ packages=(
 )
 case "${1-}" in
   "") ;;
-  --tests) packages+=(chromium doxygen clang-format clang-tidy python3) ;;
+  --tests) packages+=(chromium doxygen clang libclang-rt-14-dev clang-format clang-tidy python3) ;;
   --benchmarks) packages+=(python3-scipy) ;;
   *) echo "usage: $0 [--tests | --benchmarks]" >&2; exit 1 ;;
 esac

@@ -2,7 +2,7 @@
 # Runs the statistical tests with all their draws (the suite takes a part) and writes what they found into
 # benchmarks/results/<test>.json, with commit, draws and seeds. Hours on two cores for all of them.
 #
-#   scripts/run_campaigns.sh [TEST...]    e.g. gain_figure_slow_test; none: all that are labelled "slow"
+#   scripts/run_campaigns.sh [TEST...]    e.g. statistics_slow_test; none: all that are labelled "slow"
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install_dependencies.sh --tests
@@ -11,7 +11,7 @@ cmake --build --preset release --parallel "$(nproc)" --target tests/all
 
 tests=("$@")
 if [ ${#tests[@]} -eq 0 ]; then
-  mapfile -t tests < <(find tests -name '*_slow_test.cc' -exec basename {} .cc \; | sort)
+  mapfile -t tests < <(find tests -name '*_slow_test.cc' -printf '%h\n' | sed 's,.*/,,; s,$,_slow_test,' | sort -u)
 fi
 commit=$(git rev-parse HEAD)
 [ -z "$(git status --porcelain --untracked-files=no)" ] || commit+=" with changes"

@@ -15,7 +15,7 @@ namespace idim {
 namespace {
 
 // A percentage to a tenth; of a parameter near zero it says no more than that it is large.
-std::string Percent(double value) {
+std::string TenthsOfPercent(double value) {
   constexpr double kLargest = 9999.0;
   if (std::abs(value) < kLargest) return Format("%.1f", value);
   return value > 0.0 ? ">9999" : "<-9999";
@@ -106,7 +106,7 @@ Table ValueTable(const std::vector<Estimate>& estimates, const std::vector<Refer
     for (const Estimate& e : estimates) {
       const ParameterEstimate* p = e.Find(parameter.name);
       row.push_back(p == nullptr ? "" : Format("%.4g", p->value));
-      row.push_back(p == nullptr ? "" : Percent(p->RelativeSigmaPercent()));
+      row.push_back(p == nullptr ? "" : TenthsOfPercent(p->RelativeSigmaPercent()));
     }
     for (const Reference& r : references) {
       const Reference::Entry* entry = r.Find(parameter.name);
@@ -260,10 +260,10 @@ std::string ComparisonToText(const Comparison& comparison) {
       if (e.parameters.empty()) continue;
       const ParameterEstimate* p = e.Find(parameter.name);
       row.push_back(p == nullptr ? "" : Format("%+.3e", p->value));
-      row.push_back(p == nullptr ? "" : Percent(p->RelativeSigmaPercent()));
+      row.push_back(p == nullptr ? "" : TenthsOfPercent(p->RelativeSigmaPercent()));
       if (&e == first) continue;
       const bool comparable = p != nullptr && base != nullptr && base->value != 0.0;
-      row.push_back(comparable ? Percent(100.0 * (p->value - base->value) / std::abs(base->value)) : "");
+      row.push_back(comparable ? TenthsOfPercent(100.0 * (p->value - base->value) / std::abs(base->value)) : "");
     }
     for (const Reference& r : references) {
       const Reference::Entry* entry = r.Find(parameter.name);

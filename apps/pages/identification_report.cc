@@ -5,14 +5,13 @@
 #include <limits>
 #include <utility>
 
+#include "apps/pages/words.h"
 #include "core/base/text.h"
 #include "core/report/report.h"
 #include "core/robot/joint_units.h"
 
 namespace idim {
 namespace {
-
-std::string JointTitle(Eigen::Index joint) { return "joint " + std::to_string(joint + 1); }
 
 Section Summary(const Estimate& e) {
   Section section;

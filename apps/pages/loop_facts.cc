@@ -25,7 +25,7 @@ std::vector<NamedShape> ShapesOf(const LoopResult& result, const ActiveEffect& a
   return shapes;
 }
 
-std::vector<ParameterEstimate> ParametersOf(const LoopResult& result, const ActiveEffect& active) {
+std::vector<ParameterEstimate> EffectEstimates(const LoopResult& result, const ActiveEffect& active) {
   const Model& model = result.prepared.model;
   const Unknowns unknowns(model, UncertainPayload::kExact);
   std::vector<ParameterEstimate> found;

@@ -17,7 +17,7 @@ struct NamedShape {
 std::vector<NamedShape> ShapesOf(const LoopResult& result, const ActiveEffect& active);
 
 // Of an effect of the final model: its linear parameters and shapes as the final estimate has them.
-std::vector<ParameterEstimate> ParametersOf(const LoopResult& result, const ActiveEffect& active);
+std::vector<ParameterEstimate> EffectEstimates(const LoopResult& result, const ActiveEffect& active);
 
 // Of both models, with a final value beyond the 95 % interval of the declared one: gains first.
 struct Movement {

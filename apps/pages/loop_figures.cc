@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "apps/pages/loop_report.h"
+#include "apps/pages/words.h"
 #include "core/robot/joint_units.h"
 #include "solvers/loop/effect_curves.h"
 
@@ -82,14 +83,6 @@ Section ResidualsOverTime(const LoopResult& result, size_t recording) {
 }
 
 }  // namespace
-
-std::string JointTitle(Index joint) { return "joint " + std::to_string(joint + 1); }
-
-std::string Words(const std::string& id) {
-  std::string words = id;
-  std::replace(words.begin(), words.end(), '_', ' ');
-  return words;
-}
 
 Section FrictionSection(const LoopResult& result) {
   Section section;

@@ -16,9 +16,6 @@ namespace idim {
 inline constexpr SeriesColor kBefore = SeriesColor::kOrange;
 inline constexpr SeriesColor kAfter = SeriesColor::kModel;
 
-std::string JointTitle(Eigen::Index joint);  // "joint 1" of 0
-std::string Words(const std::string& id);    // "power viscous" of "power_viscous"
-
 // Without blocks where no effect is of the kind.
 Section FrictionSection(const LoopResult& result);
 Section OtherEffectsSection(const LoopResult& result);

@@ -5,6 +5,7 @@
 #include "apps/pages/loop_facts.h"
 #include "apps/pages/loop_figures.h"
 #include "apps/pages/loop_report.h"
+#include "apps/pages/words.h"
 #include "core/base/text.h"
 #include "core/model/active_effects.h"
 #include "core/report/report.h"
@@ -14,8 +15,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string Capital(std::string text) {
   if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
@@ -29,10 +28,8 @@ std::string OnPage(std::string text) {
   return text;
 }
 
-std::string PercentText(double value) { return value < 0.0 ? "" : Format("%.2f", value); }
-
 std::string Change(double before, double after) {
-  return PercentText(before) + " → " + PercentText(after) + (after < 0.0 ? "" : " %");
+  return ErrorText(before, "") + " → " + ErrorText(after, "") + (after < 0.0 ? "" : " %");
 }
 
 Table ErrorTable(const LoopResult& result) {
@@ -45,9 +42,9 @@ Table ErrorTable(const LoopResult& result) {
   table.columns.push_back({"all", Table::Align::kNumber});
   const auto add = [&](const std::string& data, const std::string& model, const VectorXd& joints, double all) {
     std::vector<std::string> row = {data, model};
-    for (const double error : joints) row.push_back(PercentText(error));
+    for (const double error : joints) row.push_back(ErrorText(error, ""));
     row.resize(table.columns.size() - 1);
-    row.push_back(PercentText(all));
+    row.push_back(ErrorText(all, ""));
     table.rows.push_back(std::move(row));
   };
   const LoopErrors& before = result.declared;
@@ -80,7 +77,7 @@ std::string Verdict(const LoopResult& result) {
   return Format("The declared model lacks %d effect%s: ", static_cast<int>(titles.size()),
                 titles.size() == 1 ? "" : "s") +
          Join(titles, "; ") + ". The error on the " + HeldOutName(result) + " goes from " +
-         PercentText(result.declared.validation) + " % to " + PercentText(result.final.validation) + " %.";
+         ErrorText(result.declared.validation, "") + " % to " + ErrorText(result.final.validation, "") + " %.";
 }
 
 Section Summary(const LoopResult& result) {
@@ -144,7 +141,7 @@ IntervalFigure Ranking(const LoopStep& step) {
     if (shown.size() < kShown || chosen) shown.push_back(&c);
   }
   const auto count = static_cast<Index>(shown.size());
-  const VectorXd none = VectorXd::Constant(count, kNaN);
+  const VectorXd none = VectorXd::Constant(count, std::numeric_limits<double>::quiet_NaN());
   IntervalFigure figure;
   figure.title = step.ranking.size() > shown.size()
                      ? Format("The best %d of %d candidates that passed the score test", static_cast<int>(shown.size()),
@@ -187,7 +184,7 @@ Section Step(const LoopResult& result, const LoopStep& step, size_t number) {
                    {"95 % from", Table::Align::kNumber},
                    {"to", Table::Align::kNumber},
                    {"unit"}};
-  for (const ParameterEstimate& p : ParametersOf(result, step.effect)) {
+  for (const ParameterEstimate& p : EffectEstimates(result, step.effect)) {
     table.rows.push_back({p.parameter.name, Format("%.4g", p.value), Format("%.2g", p.standard_deviation),
                           Format("%.4g", p.interval95[0]), Format("%.4g", p.interval95[1]), p.parameter.unit});
   }
@@ -201,7 +198,7 @@ Section AddedParameters(const LoopResult& result) {
   section.title = "Added parameters";
   std::vector<ParameterEstimate> all;
   for (const LoopStep& step : result.steps) {
-    for (ParameterEstimate& p : ParametersOf(result, step.effect)) {
+    for (ParameterEstimate& p : EffectEstimates(result, step.effect)) {
       if (p.value != 0.0) all.push_back(std::move(p));
     }
   }

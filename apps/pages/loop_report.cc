@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/pages/loop_facts.h"
+#include "apps/pages/words.h"
 #include "core/base/text.h"
 #include "core/model/active_effects.h"
 
@@ -16,9 +17,7 @@ using Json = nlohmann::ordered_json;
 using Eigen::VectorXd;
 
 // A negative error was never computed.
-Json Percent(double value) { return value < 0.0 ? Json() : Json(value); }
-
-std::string PercentText(double value) { return value < 0.0 ? "-" : Format("%.2f", value); }
+Json ErrorJson(double value) { return value < 0.0 ? Json() : Json(value); }
 
 Json ToJson(const VectorXd& v) { return Json(std::vector<double>(v.data(), v.data() + v.size())); }
 
@@ -37,15 +36,15 @@ Json PerJointJson(const VectorXd& identification, const VectorXd& validation) {
 }
 
 Json ModelJson(const LoopErrors& errors) {
-  return {{"identification_error_percent", Percent(errors.identification)},
-          {"validation_error_percent", Percent(errors.validation)},
+  return {{"identification_error_percent", ErrorJson(errors.identification)},
+          {"validation_error_percent", ErrorJson(errors.validation)},
           {"per_joint", PerJointJson(errors.identification_per_joint, errors.validation_per_joint)},
           {"per_joint_moving", PerJointJson(errors.identification_moving, errors.validation_moving)}};
 }
 
 Json ErrorsJson(const LoopErrors& errors) {
-  return {{"identification", Percent(errors.identification)},
-          {"validation", Percent(errors.validation)},
+  return {{"identification", ErrorJson(errors.identification)},
+          {"validation", ErrorJson(errors.validation)},
           {"per_joint", PerJointJson(errors.identification_per_joint, errors.validation_per_joint)}};
 }
 
@@ -79,7 +78,7 @@ Json CandidateJson(const LoopResult& result, const EffectCandidate& c) {
 Json StepJson(const LoopResult& result, const LoopStep& step) {
   Json json = Place(step.effect);
   json["parameters"] = Json::array();
-  for (const ParameterEstimate& p : ParametersOf(result, step.effect)) json["parameters"].push_back(EstimateOf(p));
+  for (const ParameterEstimate& p : EffectEstimates(result, step.effect)) json["parameters"].push_back(EstimateOf(p));
   json["shape"] = ShapeJson(result, step.effect);
   json["statistic"] = step.candidate.score.statistic;
   json["p_value"] = step.candidate.p_value;
@@ -91,7 +90,7 @@ Json StepJson(const LoopResult& result, const LoopStep& step) {
   json["confusable_with"] = Json::array();
   for (const LoopRival& rival : step.confusable_with) {
     Json entry = Place(rival.effect);
-    entry["held_out_error_percent"] = Percent(rival.held_out_error_percent);
+    entry["held_out_error_percent"] = ErrorJson(rival.held_out_error_percent);
     json["confusable_with"].push_back(std::move(entry));
   }
   json["physics"] = step.effect.effect->physics();
@@ -110,14 +109,14 @@ Json StepJson(const LoopResult& result, const LoopStep& step) {
 }
 
 // Rows "declared", "final" for each set of data, a column a joint.
-std::string ErrorTable(const LoopResult& result) {
+std::string ErrorTableText(const LoopResult& result) {
   std::vector<std::vector<std::string>> lines = {{"relative error, %", "all"}};
   for (Eigen::Index j = 1; j <= result.declared.identification_per_joint.size(); ++j) {
     lines[0].push_back("joint " + std::to_string(j));
   }
   const auto add = [&](const std::string& name, double all, const VectorXd& joints) {
-    std::vector<std::string> line = {name, PercentText(all)};
-    for (const double error : joints) line.push_back(PercentText(error));
+    std::vector<std::string> line = {name, ErrorText(all, "-")};
+    for (const double error : joints) line.push_back(ErrorText(error, "-"));
     lines.push_back(std::move(line));
   };
   const std::string held_out = HeldOutName(result);
@@ -154,7 +153,7 @@ std::string StepText(const LoopResult& result, const LoopStep& step, size_t numb
   line("how sure", EvidenceSentence(result, step));
   const auto error = [&](const std::string& data, double before, double after, const VectorXd& joints_before,
                          const VectorXd& joints_after) {
-    std::string value = data + Format(" %s -> %s %%", PercentText(before).c_str(), PercentText(after).c_str());
+    std::string value = data + Format(" %s -> %s %%", ErrorText(before, "-").c_str(), ErrorText(after, "-").c_str());
     const std::string joints = OfItsJoints(step, joints_before, joints_after);
     return joints.empty() ? value : value + " (" + joints + ")";
   };
@@ -163,7 +162,7 @@ std::string StepText(const LoopResult& result, const LoopStep& step, size_t numb
   line("", error(HeldOutName(result), step.before.validation, step.after.validation, step.before.validation_per_joint,
                  step.after.validation_per_joint));
   std::string key = "parameters";
-  for (const ParameterEstimate& p : ParametersOf(result, step.effect)) {
+  for (const ParameterEstimate& p : EffectEstimates(result, step.effect)) {
     line(std::exchange(key, ""), p.parameter.name + " = " + ValueText(p));
   }
   line("to confirm", step.effect.effect->how_to_confirm());
@@ -227,7 +226,7 @@ std::string LoopToText(const LoopResult& result) {
     text += "NOT TO BE TRUSTED: " + status.message() + "\n\n";
   }
   if (result.before.estimate.parameters.empty()) return text;
-  text += ErrorTable(result);
+  text += ErrorTableText(result);
   text += result.held_out_by_blocks
               ? "Held-out blocks: each fitted on the other blocks of the identification recordings.\n\n"
               : "Validation recordings were not looked at while effects were chosen.\n\n";

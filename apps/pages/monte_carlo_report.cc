@@ -14,17 +14,17 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 bool IsGain(const ParameterStatistics& p) { return p.parameter.kind == ParameterKind::kDriveGain; }
 
 // Of a deviation; > 0.
 double PercentOfTruth(const ParameterStatistics& p, double value) {
-  return p.truth == 0.0 ? kNaN : 100.0 * value / std::abs(p.truth);
+  return p.truth == 0.0 ? std::numeric_limits<double>::quiet_NaN() : 100.0 * value / std::abs(p.truth);
 }
 
 // Negative where the estimate is too small in magnitude, also where the truth is negative.
-double BiasPercent(const ParameterStatistics& p) { return p.truth == 0.0 ? kNaN : 100.0 * p.bias / p.truth; }
+double BiasPercent(const ParameterStatistics& p) {
+  return p.truth == 0.0 ? std::numeric_limits<double>::quiet_NaN() : 100.0 * p.bias / p.truth;
+}
 
 // Significant digits enough to tell 0.3 % from 30 %; what is large is only large.
 std::string Percent(double value) {

@@ -311,7 +311,7 @@ std::vector<VariantOptions> PaperVariants() {
   variants[6].title = "The loaded arm moves as the unloaded one";
   variants[6].same_motion = true;
   variants[7].title = "Cases with ten known parameters are told the paper's CAD values, which are not the true ones";
-  variants[7].told_ten = {0.064, -0.018, 0.026, 0.064, 0.026, 0.044, -0.29, -0.29, 0.41, 4.59};  // Table I, bold
+  variants[7].believed_ten = {0.064, -0.018, 0.026, 0.064, 0.026, 0.044, -0.29, -0.29, 0.41, 4.59};  // Table I, bold
   return variants;
 }
 

@@ -21,25 +21,23 @@ using idim::Status;
 
 Status Run() {
   const idim::Result<idim::PaperTables> tables = idim::ReadPaperTables(FLAGS_study + "/paper");
-  if (!tables.ok()) return tables.status();
+  IDIM_RETURN_IF_ERROR(tables);
   const idim::Result<std::string> discussion = idim::ReadFile(FLAGS_study + "/discussion.md");
-  if (!discussion.ok()) return discussion.status();
+  IDIM_RETURN_IF_ERROR(discussion);
   const idim::Result<idim::Scenario> scenario =
       idim::ReadScenario(FLAGS_study + "/scenario.yaml", idim::EffectEquations());
-  if (!scenario.ok()) return scenario.status();
+  IDIM_RETURN_IF_ERROR(scenario);
   const idim::Result<idim::PaperStudy> paper = idim::RunPaperStudy(*scenario, idim::kPaperRatio);
-  if (!paper.ok()) return paper.status();
+  IDIM_RETURN_IF_ERROR(paper);
   std::vector<idim::Variant> variants;
   for (const idim::VariantOptions& options : idim::PaperVariants()) {
     idim::Result<idim::Variant> variant = idim::RunVariant(*paper, options, idim::kPaperDraws);
-    if (!variant.ok()) return variant.status();
+    IDIM_RETURN_IF_ERROR(variant);
     variants.push_back(std::move(variant).value());
   }
-  Status status = idim::WriteFiles(FLAGS_output, {{"report.html", idim::RenderPaperReport(*paper)}});
-  if (!status.ok()) return status;
-  status =
-      idim::WriteFiles(FLAGS_study, {{"README.md", idim::RenderPaperPage(*paper, variants, *tables, *discussion)}});
-  if (!status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(idim::WriteFiles(FLAGS_output, {{"report.html", idim::RenderPaperReport(*paper)}}));
+  IDIM_RETURN_IF_ERROR(
+      idim::WriteFiles(FLAGS_study, {{"README.md", idim::RenderPaperPage(*paper, variants, *tables, *discussion)}}));
   std::cout << "Tables I to VIII: " << FLAGS_study << "/README.md\nFig. 2: " << FLAGS_output << "/report.html\n";
   return Status::Ok();
 }

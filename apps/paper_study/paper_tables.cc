@@ -28,7 +28,7 @@ std::vector<std::string> Cells(const std::string& line) {
 Result<PaperTable> ReadPaperTable(const std::string& path, const std::vector<std::string>& numbers,
                                   const std::vector<std::string>& texts, size_t rows) {
   Result<std::string> text = ReadFile(path);
-  if (!text.ok()) return text.status();
+  IDIM_RETURN_IF_ERROR(text);
   PaperTable table;
   table.path = path;
   std::istringstream stream(*text);
@@ -117,7 +117,7 @@ Result<PaperTables> ReadPaperTables(const std::string& folder) {
                         {"relative_error.csv", &tables.relative_error, {"relative_error_percent"}, {"case"}, 4}};
   for (const File& file : files) {
     Result<PaperTable> table = ReadPaperTable(folder + "/" + file.name, file.numbers, file.texts, file.rows);
-    if (!table.ok()) return table.status();
+    IDIM_RETURN_IF_ERROR(table);
     *file.table = std::move(table).value();
   }
   return tables;

@@ -12,12 +12,13 @@ namespace {
 struct Spec {
   const char* name;
   const char* estimator;
-  Told told;
+  PayloadKnowledge knowledge;
 };
 
-constexpr Spec kSpecs[kNumPaperCases] = {{"Manufacturer", "wls", Told::kNothing}, {"Case 1", "wls", Told::kTen},
-                                         {"Case 2", "wls", Told::kMass},          {"Case 3", "wtls", Told::kTen},
-                                         {"Case 4", "wtls", Told::kMass},         {"Scaled TLS", "wgtls", Told::kMass}};
+constexpr Spec kSpecs[kNumPaperCases] = {
+    {"Manufacturer", "wls", PayloadKnowledge::kNothing}, {"Case 1", "wls", PayloadKnowledge::kTen},
+    {"Case 2", "wls", PayloadKnowledge::kMass},          {"Case 3", "wtls", PayloadKnowledge::kTen},
+    {"Case 4", "wtls", PayloadKnowledge::kMass},         {"Scaled TLS", "wgtls", PayloadKnowledge::kMass}};
 
 Reference TruthOf(const Scenario& scenario, const BaseParameters& base) {
   Reference truth;
@@ -37,36 +38,37 @@ Result<PaperCase> RunCase(const PaperStudy& paper, const Spec& spec, double r_si
   PaperCase result;
   result.name = spec.name;
   result.estimator = spec.estimator;
-  result.told = spec.told;
-  PreparedStudy fit = AsTold(paper.prepared, paper.scenario, spec.told, true);
+  result.knowledge = spec.knowledge;
+  PreparedStudy fit = WithPayloadKnowledge(paper.prepared, paper.scenario, spec.knowledge, true);
   // The manufacturer's gains are taken for true, as in the paper: a classical identification with a payload.
-  if (spec.told == Told::kNothing) fit.model.gains_mode = GainsMode::kKnown;
+  if (spec.knowledge == PayloadKnowledge::kNothing) fit.model.gains_mode = GainsMode::kKnown;
   const Result<EstimatorRunner> runner = EstimatorRunner::Create(&fit);
-  if (!runner.ok()) return runner.status();
+  IDIM_RETURN_IF_ERROR(runner);
   Result<Identification> identification = runner->Run(spec.estimator, r_sigma);
-  if (!identification.ok()) return identification.status();
+  IDIM_RETURN_IF_ERROR(identification);
   result.estimate = std::move(identification->estimate);
   if (result.estimate.parameters.empty()) return result.estimate.status;
-  PreparedStudy judge = AsTold(paper.prepared, paper.scenario, spec.told, false);
-  if (spec.told == Told::kNothing) judge.model.gains_mode = GainsMode::kKnown;
+  PreparedStudy judge = WithPayloadKnowledge(paper.prepared, paper.scenario, spec.knowledge, false);
+  if (spec.knowledge == PayloadKnowledge::kNothing) judge.model.gains_mode = GainsMode::kKnown;
   Reference reference = ReferenceOf(result.estimate);
   reference.name = spec.name;
   Result<Validation> validation = Validate(judge, reference);
-  if (!validation.ok()) return validation.status();
+  IDIM_RETURN_IF_ERROR(validation);
   result.validation = std::move(validation).value();
   return result;
 }
 
 }  // namespace
 
-PreparedStudy AsTold(const PreparedStudy& prepared, const Scenario& scenario, Told told, bool identification_only) {
+PreparedStudy WithPayloadKnowledge(const PreparedStudy& prepared, const Scenario& scenario, PayloadKnowledge knowledge,
+                                   bool identification_only) {
   PreparedStudy result = prepared;
   if (identification_only) {
     const std::vector<int> used = prepared.model.RecordingsFor(Use::kIdentification);
     result = {SomeRecordings(*prepared.data, used), ForRecordings(prepared.model, used)};
   }
   for (int k = 0; k < kNumInertial; ++k) {
-    const bool known = told == Told::kTen || (told == Told::kMass && k == kM);
+    const bool known = knowledge == PayloadKnowledge::kTen || (knowledge == PayloadKnowledge::kMass && k == kM);
     result.model.payloads[0].known[k].reset();
     if (known) result.model.payloads[0].known[k] = scenario.payloads[0].inertial[k];
   }
@@ -83,12 +85,12 @@ Result<PaperStudy> RunPaperStudy(const Scenario& scenario, double r_sigma) {
     recordings.push_back(SimulateLog(scenario, recording, SimulateTruth(scenario, recording)));
   }
   Result<PreparedStudy> prepared = PrepareStudy(StudyOf(scenario), std::move(recordings));
-  if (!prepared.ok()) return prepared.status();
+  IDIM_RETURN_IF_ERROR(prepared);
   Reference truth = TruthOf(scenario, prepared->base());
   PaperStudy paper{scenario, std::move(prepared).value(), std::move(truth), {}};
   for (const Spec& spec : kSpecs) {
     Result<PaperCase> result = RunCase(paper, spec, r_sigma);
-    if (!result.ok()) return result.status();
+    IDIM_RETURN_IF_ERROR(result);
     paper.cases.push_back(std::move(result).value());
   }
   return paper;

@@ -20,12 +20,12 @@
 namespace idim {
 
 // What is told of the payload on the loaded identification recording.
-enum class Told { kNothing, kMass, kTen };
+enum class PayloadKnowledge { kNothing, kMass, kTen };
 
 struct PaperCase {
   std::string name;       // as the paper's tables name it
   std::string estimator;  // solvers/estimators/estimators.h
-  Told told = Told::kMass;
+  PayloadKnowledge knowledge = PayloadKnowledge::kMass;
   Estimate estimate;      // essential parameters
   Validation validation;  // of every validation recording, in the scenario's order
 };
@@ -41,7 +41,8 @@ struct PaperStudy {
 enum PaperCaseIndex { kManufacturer, kCase1, kCase2, kCase3, kCase4, kScaled, kNumPaperCases };
 
 // The prepared study with its payloads known as told and only recordings of one use or all.
-PreparedStudy AsTold(const PreparedStudy& prepared, const Scenario& scenario, Told told, bool identification_only);
+PreparedStudy WithPayloadKnowledge(const PreparedStudy& prepared, const Scenario& scenario, PayloadKnowledge knowledge,
+                                   bool identification_only);
 
 // scenario: gains to be identified with a priori values; the first payload is the one to identify with. r_sigma: of the
 // essential parameters. BadInput: a scenario of another kind; as the estimators and the validation say.

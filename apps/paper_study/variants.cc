@@ -105,7 +105,7 @@ Result<std::vector<Recording>> Logs(const Scenario& scenario, const std::vector<
       clean.t = truth.t;
       clean.q = truth.q;
       const Result<Decimator> decimator = MakeDecimator(clean, preprocessing);
-      if (!decimator.ok()) return decimator.status();
+      IDIM_RETURN_IF_ERROR(decimator);
       MatrixXd shape = shapes.empty() ? SlowNoise(truth, scenario.truth.rate, seed) : shapes[r];
       const MatrixXd kept = decimator->Apply(shape);
       const VectorXd rms = kept.colwise().norm().transpose() / std::sqrt(static_cast<double>(kept.rows()));
@@ -144,18 +144,18 @@ GainSystem WeightedByKnownGains(const GainSystem& system) {
 struct Solved {
   const char* name;
   GainEstimator estimator;
-  Told told;
+  PayloadKnowledge knowledge;
   bool known_gain_weights;
 };
 
-constexpr Solved kSolved[] = {{"Case 1", GainEstimator::kWls, Told::kTen, false},
-                              {"Case 2", GainEstimator::kWls, Told::kMass, false},
-                              {"Case 2, weights by known gains", GainEstimator::kLs, Told::kMass, true},
-                              {"Case 3", GainEstimator::kWtls, Told::kTen, false},
-                              {"Case 4", GainEstimator::kWtls, Told::kMass, false},
-                              {"Case 4, weights by known gains", GainEstimator::kTls, Told::kMass, true},
-                              {"Scaled TLS, ten known", GainEstimator::kWgtls, Told::kTen, false},
-                              {"Scaled TLS", GainEstimator::kWgtls, Told::kMass, false}};
+constexpr Solved kSolved[] = {{"Case 1", GainEstimator::kWls, PayloadKnowledge::kTen, false},
+                              {"Case 2", GainEstimator::kWls, PayloadKnowledge::kMass, false},
+                              {"Case 2, weights by known gains", GainEstimator::kLs, PayloadKnowledge::kMass, true},
+                              {"Case 3", GainEstimator::kWtls, PayloadKnowledge::kTen, false},
+                              {"Case 4", GainEstimator::kWtls, PayloadKnowledge::kMass, false},
+                              {"Case 4, weights by known gains", GainEstimator::kTls, PayloadKnowledge::kMass, true},
+                              {"Scaled TLS, ten known", GainEstimator::kWgtls, PayloadKnowledge::kTen, false},
+                              {"Scaled TLS", GainEstimator::kWgtls, PayloadKnowledge::kMass, false}};
 
 }  // namespace
 
@@ -177,8 +177,8 @@ Result<Variant> RunVariant(const PaperStudy& paper, const VariantOptions& option
   scenario.recordings = recordings;
   std::vector<Truth> truths;
   for (const ScenarioRecording& recording : recordings) truths.push_back(SimulateTruth(scenario, recording));
-  Scenario told = scenario;
-  for (size_t k = 0; k < options.told_ten.size(); ++k) told.payloads[0].inertial[k] = options.told_ten[k];
+  Scenario believed = scenario;
+  for (size_t k = 0; k < options.believed_ten.size(); ++k) believed.payloads[0].inertial[k] = options.believed_ten[k];
 
   Variant variant;
   variant.title = options.title;
@@ -192,19 +192,21 @@ Result<Variant> RunVariant(const PaperStudy& paper, const VariantOptions& option
   for (int draw = 0; draw < draws; ++draw) {
     Result<std::vector<Recording>> logs = Logs(scenario, recordings, truths, paper.prepared.data->preprocessing,
                                                options, static_cast<std::uint64_t>(draw));
-    if (!logs.ok()) return logs.status();
+    IDIM_RETURN_IF_ERROR(logs);
     const Result<PreparedStudy> prepared = PrepareStudy(study, std::move(logs).value());
-    if (!prepared.ok()) return prepared.status();
-    const Result<GainSystem> ten = BuildGainSystem(AsTold(*prepared, told, Told::kTen, true));
-    if (!ten.ok()) return ten.status();
-    const Result<GainSystem> mass = BuildGainSystem(AsTold(*prepared, told, Told::kMass, true));
-    if (!mass.ok()) return mass.status();
+    IDIM_RETURN_IF_ERROR(prepared);
+    const Result<GainSystem> ten =
+        BuildGainSystem(WithPayloadKnowledge(*prepared, believed, PayloadKnowledge::kTen, true));
+    IDIM_RETURN_IF_ERROR(ten);
+    const Result<GainSystem> mass =
+        BuildGainSystem(WithPayloadKnowledge(*prepared, believed, PayloadKnowledge::kMass, true));
+    IDIM_RETURN_IF_ERROR(mass);
     if (draw == 0) {
       std::tie(variant.share_ten, variant.independent_ten) = KnownTorqueShares(*ten, scenario.gains);
       std::tie(variant.share_mass, variant.independent_mass) = KnownTorqueShares(*mass, scenario.gains);
     }
     for (int c = 0; c < kCount; ++c) {
-      const GainSystem& system = kSolved[c].told == Told::kTen ? *ten : *mass;
+      const GainSystem& system = kSolved[c].knowledge == PayloadKnowledge::kTen ? *ten : *mass;
       GainOptions gain_options;
       gain_options.estimator = kSolved[c].estimator;
       const GainSummary summary =

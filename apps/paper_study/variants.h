@@ -29,7 +29,7 @@ struct VariantOptions {
   double speed = 1.0;        // of the motion, > 0: paths are the same and take 1 / speed of the time
   bool same_motion = false;  // the loaded arm moves as the unloaded one
   // What cases with ten known parameters are told, empty: the truth.
-  std::vector<double> told_ten = {};
+  std::vector<double> believed_ten = {};
 };
 
 struct GainErrors {

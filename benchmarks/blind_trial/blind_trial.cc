@@ -20,16 +20,15 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
-#include <atomic>
 #include <cstdio>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "benchmarks/blind_trial/run_case.h"
 #include "benchmarks/blind_trial/table.h"
+#include "core/base/parallel_for.h"
 #include "core/effects/simulated_effects.h"
 
 DEFINE_int32(cases, 200, "number of simulated arms");
@@ -93,26 +92,19 @@ int Main() {
   const CaseOptions options = Options();
   std::vector<Case> cases(static_cast<size_t>(FLAGS_cases));
   std::vector<bool> done(cases.size(), false);
-  std::atomic<int> next{0};
   std::mutex mutex;
   size_t printed = 0;
-  const auto work = [&] {
-    for (int k = next++; k < FLAGS_cases; k = next++) {
-      Case one = RunCase(FLAGS_first + k, options);
-      const std::lock_guard<std::mutex> lock(mutex);
-      cases[static_cast<size_t>(k)] = std::move(one);
-      done[static_cast<size_t>(k)] = true;
-      while (printed < cases.size() && done[printed]) {
-        PrintCase(FLAGS_first + static_cast<int>(printed), cases[printed]);
-        std::fflush(stdout);
-        ++printed;
-      }
+  ParallelFor(FLAGS_threads, FLAGS_cases, [&](int k) {
+    Case one = RunCase(FLAGS_first + k, options);
+    const std::lock_guard<std::mutex> lock(mutex);
+    cases[static_cast<size_t>(k)] = std::move(one);
+    done[static_cast<size_t>(k)] = true;
+    while (printed < cases.size() && done[printed]) {
+      PrintCase(FLAGS_first + static_cast<int>(printed), cases[printed]);
+      std::fflush(stdout);
+      ++printed;
     }
-  };
-  std::vector<std::thread> threads;
-  for (int t = 1; t < FLAGS_threads; ++t) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
+  });
   PrintSummary(cases);
   return 0;
 }

@@ -59,6 +59,21 @@ class [[nodiscard]] Result {
   std::optional<T> value_;
 };
 
+inline const Status& StatusOf(const Status& status) { return status; }
+// Of a Result, or of what else has a status: a file being read.
+template <typename T>
+const Status& StatusOf(const T& outcome) {
+  return outcome.status();
+}
+
 }  // namespace idim
+
+// Returns what StatusOf() says of an outcome that is not ok, from a function that returns a Status or a Result.
+#define IDIM_RETURN_IF_ERROR(expression)                               \
+  do {                                                                 \
+    if (const auto& idim_outcome = (expression); !idim_outcome.ok()) { \
+      return ::idim::StatusOf(idim_outcome);                           \
+    }                                                                  \
+  } while (false)
 
 #endif  // IDIM_CORE_BASE_STATUS_H_

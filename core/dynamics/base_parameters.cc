@@ -69,16 +69,16 @@ BaseParameters::BaseParameters(StandardModel model, const BaseParameterOptions& 
       continue;
     }
     const auto q = basis.leftCols(size());
-    Eigen::VectorXd rest = w.col(c) / norm;
-    for (int pass = 0; pass < 2; ++pass) rest -= q * (q.transpose() * rest);  // twice is enough (Kahan)
-    const double remainder = rest.norm();
-    if (remainder > options.tolerance) {
-      basis.col(size()) = rest / remainder;
+    Eigen::VectorXd remainder = w.col(c) / norm;
+    for (int pass = 0; pass < 2; ++pass) remainder -= q * (q.transpose() * remainder);  // twice is enough (Kahan)
+    const double norm_left = remainder.norm();
+    if (norm_left > options.tolerance) {
+      basis.col(size()) = remainder / norm_left;
       kept_.push_back(c);
-      smallest_kept_ = std::min(smallest_kept_, remainder);
+      smallest_kept_ = std::min(smallest_kept_, norm_left);
     } else {
       dropped.push_back(c);
-      largest_dropped_ = std::max(largest_dropped_, remainder);
+      largest_dropped_ = std::max(largest_dropped_, norm_left);
     }
   }
 

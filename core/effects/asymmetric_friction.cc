@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr char kId[] = "asymmetric_friction";
+constexpr char kAsymmetricFrictionId[] = "asymmetric_friction";
 
 // viscous_difference [N m s/rad], coulomb_difference [N m], forwards less backwards: Fv and Fs are larger by half of it
 // for dq > 0, smaller by half for dq < 0.
@@ -21,7 +21,7 @@ class AsymmetricFrictionEquation : public EffectEquation {
  public:
   AsymmetricFrictionEquation()
       : EffectEquation(
-            kId, EffectJoints::kOneOrMore,
+            kAsymmetricFrictionId, EffectJoints::kOneOrMore,
             {EffectKey::Any("viscous_difference", 1).Optional(), EffectKey::Any("coulomb_difference", 1).Optional()},
             {"viscous_difference", "coulomb_difference"}) {}
 
@@ -39,7 +39,7 @@ class AsymmetricFrictionEquation : public EffectEquation {
 
 class AsymmetricFriction : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kAsymmetricFrictionId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
   std::string physics() const override {

@@ -23,7 +23,7 @@ using Eigen::Index;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr char kId[] = "backlash";
+constexpr char kBacklashId[] = "backlash";
 
 // gap [rad] (whole), contact_frequency [Hz] (100), damping_ratio (0.3): play between motor and link, with an elastic
 // contact of the stiffness M (2 pi contact_frequency)^2 that does not pull; M: core/simulation/effects_drive_train.h.
@@ -31,7 +31,7 @@ class BacklashEquation : public EffectEquation {
  public:
   BacklashEquation()
       : EffectEquation(
-            kId, EffectJoints::kOneOrMore,
+            kBacklashId, EffectJoints::kOneOrMore,
             {EffectKey::From(0.0, 1.0, "gap", 1), EffectKey::From(1.0, 2000.0, "contact_frequency").Optional(100.0),
              EffectKey::From(0.01, 2.0, "damping_ratio").Optional(0.3)}) {}
   bool once_a_joint() const override { return true; }
@@ -49,7 +49,7 @@ class BacklashEquation : public EffectEquation {
 // at once.
 VectorXd PlaceInGap(const EffectMotion& motion, int joint, double half_gap) {
   const Index count = motion.t().size();
-  const VectorXd rest = VectorXd::Zero(motion.robot->dof());
+  const VectorXd zero = VectorXd::Zero(motion.robot->dof());
   const VectorXd unit = VectorXd::Unit(motion.robot->dof(), joint);
   VectorXd place(count);
   double r = 0.0, speed = 0.0;
@@ -60,7 +60,7 @@ VectorXd PlaceInGap(const EffectMotion& motion, int joint, double half_gap) {
       r = flank;
     } else if (r != flank) {
       const VectorXd q = motion.q().row(i);
-      const double inertia = motion.link_torque(q, rest, unit, Vector3d::Zero())[joint];
+      const double inertia = motion.link_torque(q, zero, unit, Vector3d::Zero())[joint];
       const double step = motion.t()[i] - motion.t()[i - 1];
       speed -= inertia > 0.0 ? step * torque / inertia : 0.0;
       r = inertia > 0.0 ? std::clamp(r + step * speed, -half_gap, half_gap) : flank;
@@ -73,7 +73,7 @@ VectorXd PlaceInGap(const EffectMotion& motion, int joint, double half_gap) {
 
 class Backlash : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kBacklashId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   bool non_negative() const override { return true; }
   std::string physics() const override {

@@ -24,14 +24,14 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr char kId[] = "base_tilt";
+constexpr char kBaseTiltId[] = "base_tilt";
 
 // angle_1, angle_2 [rad]: gravity turned by the rotation vector angle_1 e1 + angle_2 e2. e1 is the base's x axis made
 // normal to gravity g (y where g lies along x), e2 = e1 x g / |g| (y for gravity along -z).
 class BaseTiltEquation : public EffectEquation {
  public:
   BaseTiltEquation()
-      : EffectEquation(kId, EffectJoints::kNone,
+      : EffectEquation(kBaseTiltId, EffectJoints::kNone,
                        {EffectKey::From(-M_PI, M_PI, "angle_1", 1).Optional(),
                         EffectKey::From(-M_PI, M_PI, "angle_2", 1).Optional()},
                        {"angle_1", "angle_2"}) {}
@@ -66,7 +66,7 @@ bool AxisOneHidesMoments(const Robot& robot) {
 
 class BaseTilt : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kBaseTiltId; }
   EffectSite site() const override { return EffectSite::kArm; }
   std::string physics() const override {
     return "Gravity is not along the declared axis of the base: a floor or pedestal out of level, a frame turned in "
@@ -98,13 +98,13 @@ class BaseTilt : public Effect {
     const Robot& robot = *motion.robot;
     const int n = robot.dof();
     const Index count = motion.t().size();
-    const VectorXd rest = VectorXd::Zero(n);
+    const VectorXd zero = VectorXd::Zero(n);
     std::vector<EffectEntry> entries;
     int parameter = 0;
     for (const int axis : TiltAxes(robot)) {
       const Vector3d gravity = Vector3d::Unit(axis).cross(robot.gravity);
       MatrixXd column(count, n);
-      for (Index i = 0; i < count; ++i) column.row(i) = motion.rigid_torque(motion.q().row(i), rest, rest, gravity);
+      for (Index i = 0; i < count; ++i) column.row(i) = motion.rigid_torque(motion.q().row(i), zero, zero, gravity);
       for (int j = 0; j < n; ++j) entries.push_back({parameter, j, column.col(j)});
       ++parameter;
     }

@@ -43,10 +43,10 @@ class RigidArm {
     work->models[0].Torque(q.data(), dq.data(), ddq.data(), nullptr, chi, payload_, tau.data());
     const Vector3d change = gravity - robot_.gravity;
     if (!change.isZero(0.0)) {
-      const VectorXd rest = VectorXd::Zero(robot_.dof());
+      const VectorXd zero = VectorXd::Zero(robot_.dof());
       VectorXd unit(robot_.dof());
       for (int k = 0; k < 3; ++k) {
-        work->models[k + 1].Torque(q.data(), rest.data(), rest.data(), nullptr, chi, payload_, unit.data());
+        work->models[k + 1].Torque(q.data(), zero.data(), zero.data(), nullptr, chi, payload_, unit.data());
         tau += change[k] * unit;
       }
     }

@@ -14,14 +14,14 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr char kId[] = "gain_saturation";
+constexpr char kGainSaturationId[] = "gain_saturation";
 
 // loss, signal [signal unit]: tau = g v (1 + 3 loss (v / signal)^2)^(-1/3), that is g v (1 - loss (v / signal)^2) for
 // small loss, and increasing in v throughout.
 class GainSaturationEquation : public EffectEquation {
  public:
   GainSaturationEquation()
-      : EffectEquation(kId, EffectJoints::kOneOrMore,
+      : EffectEquation(kGainSaturationId, EffectJoints::kOneOrMore,
                        {EffectKey::From(0.0, kLargestInput, "loss", 1), EffectKey::Positive("signal")}) {}
   bool once_a_joint() const override { return true; }
 
@@ -47,7 +47,7 @@ class GainSaturationEquation : public EffectEquation {
 
 class GainSaturation : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kGainSaturationId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   bool non_negative() const override { return true; }
   std::string physics() const override {

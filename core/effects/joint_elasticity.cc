@@ -13,14 +13,14 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr char kId[] = "joint_elasticity";
+constexpr char kJointElasticityId[] = "joint_elasticity";
 
 // stiffness [N m/rad], damping_ratio (0.1): a spring and a damper between motor and link.
 class JointElasticityEquation : public EffectEquation {
  public:
   JointElasticityEquation()
       : EffectEquation(
-            kId, EffectJoints::kOneOrMore,
+            kJointElasticityId, EffectJoints::kOneOrMore,
             {EffectKey::Positive("stiffness", -1), EffectKey::From(0.01, 2.0, "damping_ratio").Optional(0.1)}) {}
   bool once_a_joint() const override { return true; }
   bool is_flexible() const override { return true; }
@@ -34,7 +34,7 @@ class JointElasticityEquation : public EffectEquation {
 
 class JointElasticity : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kJointElasticityId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   bool non_negative() const override { return true; }
   std::string physics() const override {

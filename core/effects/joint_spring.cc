@@ -9,13 +9,13 @@
 namespace idim {
 namespace {
 
-constexpr char kId[] = "joint_spring";
+constexpr char kJointSpringId[] = "joint_spring";
 
 // stiffness [N m/rad], rest [rad]: stiffness (q - rest), on the link's side.
 class JointSpringEquation : public EffectEquation {
  public:
   JointSpringEquation()
-      : EffectEquation(kId, EffectJoints::kOneOrMore,
+      : EffectEquation(kJointSpringId, EffectJoints::kOneOrMore,
                        {EffectKey::Any("stiffness", 1), EffectKey::Any("rest").Optional()}) {}
 
   std::map<std::string, double> DrawValues(double, Random* random) const override {
@@ -29,7 +29,7 @@ class JointSpringEquation : public EffectEquation {
 
 class JointSpring : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kJointSpringId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kPosition; }
   std::string physics() const override {

@@ -13,12 +13,13 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr char kId[] = "load_friction";
+constexpr char kLoadFrictionId[] = "load_friction";
 
 // mu: s mu |torque of links, payload, spring and drive inertia on that joint|, s the direction of dry friction.
 class LoadFrictionEquation : public EffectEquation {
  public:
-  LoadFrictionEquation() : EffectEquation(kId, EffectJoints::kOneOrMore, {EffectKey::From(-1.0, 1.0, "mu", 1)}) {}
+  LoadFrictionEquation()
+      : EffectEquation(kLoadFrictionId, EffectJoints::kOneOrMore, {EffectKey::From(-1.0, 1.0, "mu", 1)}) {}
 
   std::map<std::string, double> DrawValues(double, Random*) const override { return {{"mu", 0.05}}; }
 
@@ -29,7 +30,7 @@ class LoadFrictionEquation : public EffectEquation {
 
 class LoadFriction : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kLoadFrictionId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
   bool non_negative() const override { return true; }

@@ -16,14 +16,14 @@
 namespace idim {
 namespace {
 
-constexpr char kId[] = "motor_coupling";
+constexpr char kMotorCouplingId[] = "motor_coupling";
 
 // joints a, b; inertia [kg m^2], viscous [N m s/rad], coulomb [N m]: on a inertia ddq_b + viscous dq_b
 // + coulomb sign(dq_a + dq_b), on b likewise with a (what eq. (25) of Gautier & Briot adds).
 class MotorCouplingEquation : public EffectEquation {
  public:
   MotorCouplingEquation()
-      : EffectEquation(kId, EffectJoints::kTwo,
+      : EffectEquation(kMotorCouplingId, EffectJoints::kTwo,
                        {EffectKey::Any("inertia", 1).Optional(), EffectKey::Any("viscous", 1).Optional(),
                         EffectKey::Any("coulomb", 1).Optional()},
                        {"inertia", "viscous", "coulomb"}) {}
@@ -46,7 +46,7 @@ class MotorCouplingEquation : public EffectEquation {
 
 class MotorCoupling : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kMotorCouplingId; }
   EffectSite site() const override { return EffectSite::kJointPair; }
   std::string physics() const override {
     return "Two drives share inertia and friction: a motor whose shaft passes the other joint's gear turns with both.";

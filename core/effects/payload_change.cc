@@ -21,13 +21,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr char kId[] = "payload_change";
+constexpr char kPayloadChangeId[] = "payload_change";
 
 // M [kg], x, y, z [m], from [s]: a point mass M at (x, y, z) on the last link from then on.
 class PayloadChangeEquation : public EffectEquation {
  public:
   PayloadChangeEquation()
-      : EffectEquation(kId, EffectJoints::kNone,
+      : EffectEquation(kPayloadChangeId, EffectJoints::kNone,
                        {EffectKey::Any("M", 1), EffectKey::Any("x").Optional(), EffectKey::Any("y").Optional(),
                         EffectKey::Any("z").Optional(), EffectKey::From(0.0, kLargestInput, "from").Optional()}) {}
 
@@ -52,7 +52,7 @@ constexpr int kCount = 4;
 
 class PayloadChange : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kPayloadChangeId; }
   EffectSite site() const override { return EffectSite::kArm; }
   bool shapes_count_recordings() const override { return true; }
   std::string physics() const override {

@@ -54,10 +54,9 @@ Result<std::vector<PlacedEffect>> PlaceDeclaredEffects(const Study& study) {
   std::vector<PlacedEffect> placed;
   for (const DeclaredEffect& declared : study.effects) {
     const Result<const Effect*> effect = FindDeclared(declared);
-    if (!effect.ok()) return effect.status();
+    IDIM_RETURN_IF_ERROR(effect);
     const EffectSite site = (*effect)->site();
-    const Status status = CheckJoints(declared, site);
-    if (!status.ok()) return status;
+    IDIM_RETURN_IF_ERROR(CheckJoints(declared, site));
     std::vector<int> joints = declared.joints;
     std::sort(joints.begin(), joints.end());
     std::vector<std::vector<int>> places = {joints};

@@ -13,13 +13,13 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr char kId[] = "power_viscous";
+constexpr char kPowerViscousId[] = "power_viscous";
 
 // coefficient, exponent: sign(dq) coefficient |dq|^exponent, beside the linear Fv dq.
 class PowerViscousEquation : public EffectEquation {
  public:
   PowerViscousEquation()
-      : EffectEquation(kId, EffectJoints::kOneOrMore,
+      : EffectEquation(kPowerViscousId, EffectJoints::kOneOrMore,
                        {EffectKey::Any("coefficient", 1), EffectKey::Above(0.0, 5.0, "exponent")}) {}
 
   // About 1 it would be viscous friction.
@@ -35,7 +35,7 @@ class PowerViscousEquation : public EffectEquation {
 
 class PowerViscous : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kPowerViscousId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
   bool non_negative() const override { return true; }

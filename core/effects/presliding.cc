@@ -26,13 +26,14 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr char kId[] = "presliding";
+constexpr char kPreslidingId[] = "presliding";
 
 // displacement x [rad]: Dahl's bristle y, dy/dt = (dq / x) (1 - sign(dq) y), at rest y = 0; the direction s of all dry
 // friction of the joint (Fs and that of effects) is y.
 class PreslidingEquation : public EffectEquation {
  public:
-  PreslidingEquation() : EffectEquation(kId, EffectJoints::kOneOrMore, {EffectKey::Positive("displacement", 1)}) {}
+  PreslidingEquation()
+      : EffectEquation(kPreslidingId, EffectJoints::kOneOrMore, {EffectKey::Positive("displacement", 1)}) {}
   bool once_a_joint() const override { return true; }
   bool needs_coulomb_friction() const override { return true; }
 
@@ -56,7 +57,7 @@ double Play(const EffectMotion& motion, int joint) {
 
 class Presliding : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kPreslidingId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
   bool non_negative() const override { return true; }

@@ -15,13 +15,13 @@ namespace {
 using Eigen::ArrayXd;
 using Eigen::VectorXd;
 
-constexpr char kId[] = "stribeck";
+constexpr char kStribeckId[] = "stribeck";
 
 // Fst [N m], vs [rad/s]: s Fst exp(-(|dq| / vs)^2), s the direction of dry friction.
 class StribeckEquation : public EffectEquation {
  public:
   StribeckEquation()
-      : EffectEquation(kId, EffectJoints::kOneOrMore, {EffectKey::Any("Fst", 1), EffectKey::Positive("vs")}) {}
+      : EffectEquation(kStribeckId, EffectJoints::kOneOrMore, {EffectKey::Any("Fst", 1), EffectKey::Positive("vs")}) {}
 
   std::map<std::string, double> DrawValues(double, Random* random) const override {
     return {{"Fst", 1.0}, {"vs", random->LogUniform(0.05, 0.5)}};
@@ -34,7 +34,7 @@ class StribeckEquation : public EffectEquation {
 
 class Stribeck : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kStribeckId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
   bool non_negative() const override { return true; }

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr char kId[] = "thermal_drift";
+constexpr char kThermalDriftId[] = "thermal_drift";
 
 // viscous_share, coulomb_share, time_constant [s]: viscous (and power) friction of the joint, or its dry friction,
 // times 1 + share (1 - exp(-t / time_constant)); t begins anew in every recording.
@@ -22,7 +22,7 @@ class ThermalDriftEquation : public EffectEquation {
  public:
   ThermalDriftEquation()
       : EffectEquation(
-            kId, EffectJoints::kOneOrMore,
+            kThermalDriftId, EffectJoints::kOneOrMore,
             {EffectKey::Above(-1.0, 10.0, "viscous_share", 1).Alternative(),
              EffectKey::Above(-1.0, 10.0, "coulomb_share", 1).Alternative(), EffectKey::Positive("time_constant")},
             {"viscous_share", "coulomb_share"}) {}
@@ -42,7 +42,7 @@ class ThermalDriftEquation : public EffectEquation {
 
 class ThermalDrift : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kThermalDriftId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kVelocity; }
   std::string physics() const override {

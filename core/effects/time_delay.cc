@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr char kId[] = "time_delay";
+constexpr char kTimeDelayId[] = "time_delay";
 
 constexpr double kLongestDelay = 0.1;  // [s]
 
@@ -19,7 +19,8 @@ constexpr double kLongestDelay = 0.1;  // [s]
 class TimeDelayEquation : public EffectEquation {
  public:
   TimeDelayEquation()
-      : EffectEquation(kId, EffectJoints::kOneOrMore, {EffectKey::From(-kLongestDelay, kLongestDelay, "delay", 1)}) {}
+      : EffectEquation(kTimeDelayId, EffectJoints::kOneOrMore,
+                       {EffectKey::From(-kLongestDelay, kLongestDelay, "delay", 1)}) {}
   bool once_a_joint() const override { return true; }
 
   std::map<std::string, double> DrawValues(double, Random*) const override { return {{"delay", 0.003}}; }
@@ -31,7 +32,7 @@ class TimeDelayEquation : public EffectEquation {
 
 class TimeDelay : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kTimeDelayId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   std::string physics() const override {
     return "The signal is late against the position by Td (negative: early): logging, filters of the current loop.";

@@ -21,14 +21,14 @@ namespace {
 using Eigen::ArrayXd;
 using Eigen::VectorXd;
 
-constexpr char kId[] = "torque_ripple";
+constexpr char kTorqueRippleId[] = "torque_ripple";
 
 // amplitude [N m], phase [rad], order or motor_order: amplitude cos(order q + phase), q the motor's position in joint
 // coordinates, or cos(motor_order (T q)_j + phase), T the transmission.
 class TorqueRippleEquation : public EffectEquation {
  public:
   TorqueRippleEquation()
-      : EffectEquation(kId, EffectJoints::kOneOrMore,
+      : EffectEquation(kTorqueRippleId, EffectJoints::kOneOrMore,
                        {EffectKey::Any("amplitude", 1), EffectKey::Any("phase").Optional(),
                         EffectKey::Positive("order").Alternative(), EffectKey::Positive("motor_order").Alternative()},
                        {"order", "motor_order"}) {}
@@ -68,7 +68,7 @@ double SamplingRate(const std::vector<EffectMotion>& motions) {
 
 class TorqueRipple : public Effect {
  public:
-  std::string id() const override { return kId; }
+  std::string id() const override { return kTorqueRippleId; }
   EffectSite site() const override { return EffectSite::kJoint; }
   EffectDomain domain() const override { return EffectDomain::kPosition; }
   std::string physics() const override {

@@ -99,7 +99,7 @@ nlohmann::ordered_json ListOf(const VectorXd& v) { return std::vector<double>(v.
 
 }  // namespace
 
-RunErrors ErrorsOf(const std::vector<TrueParameter>& truth, const Estimate& estimate) {
+RunErrors RunErrorsOf(const std::vector<TrueParameter>& truth, const Estimate& estimate) {
   RunErrors run;
   run.status = estimate.status;
   run.value = run.standard_deviation = VectorXd::Constant(static_cast<Index>(truth.size()), kNaN);

@@ -45,7 +45,7 @@ struct RunErrors {
 };
 
 // CHECKs that every parameter of the estimate is among the true ones.
-RunErrors ErrorsOf(const std::vector<TrueParameter>& truth, const Estimate& estimate);
+RunErrors RunErrorsOf(const std::vector<TrueParameter>& truth, const Estimate& estimate);
 
 struct ParameterStatistics {
   Parameter parameter;

@@ -69,7 +69,7 @@ Reference ReferenceOf(const Estimate& estimate) {
 
 Result<Reference> ReadReference(const std::string& path) {
   Result<std::string> text = ReadFile(path);
-  if (!text.ok()) return text.status();
+  IDIM_RETURN_IF_ERROR(text);
   const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
   if (json.is_discarded() || !json.is_object()) {
     return Status::BadInput(path + ": not a JSON object; expected a file in the format of estimate.json");
@@ -105,11 +105,11 @@ Result<Reference> ReadReference(const std::string& path) {
       return Status::BadInput(where + ": key 'name': '" + parsed.name + "' is given twice");
     }
     const Result<double> value = Number(entry, "value", where);
-    if (!value.ok()) return value.status();
+    IDIM_RETURN_IF_ERROR(value);
     parsed.value = *value;
     if (entry.contains("standard_deviation")) {
       const Result<double> sigma = Number(entry, "standard_deviation", where);
-      if (!sigma.ok()) return sigma.status();
+      IDIM_RETURN_IF_ERROR(sigma);
       parsed.standard_deviation = *sigma;
     }
     reference.parameters.push_back(std::move(parsed));
@@ -118,7 +118,7 @@ Result<Reference> ReadReference(const std::string& path) {
   if (!effects.is_array()) return Status::BadInput(path + ": key 'effects': expected a list of {id, joints, shape}");
   for (size_t k = 0; k < effects.size(); ++k) {
     Result<EstimatedEffect> effect = ParseEffect(effects[k], path + ": effects[" + std::to_string(k) + "]");
-    if (!effect.ok()) return effect.status();
+    IDIM_RETURN_IF_ERROR(effect);
     reference.effects.push_back(std::move(effect).value());
   }
   const nlohmann::json at_rest = json.value("velocity_zero_at_rest", nlohmann::json(false));
@@ -133,7 +133,7 @@ Result<std::vector<Reference>> ReadReferences(const std::string& paths) {
   std::vector<std::string> read;
   for (std::string path; std::getline(list, path, ',');) {
     Result<Reference> reference = ReadReference(path);
-    if (!reference.ok()) return reference.status();
+    IDIM_RETURN_IF_ERROR(reference);
     references.push_back(std::move(reference).value());
     read.push_back(path);
   }

@@ -108,9 +108,9 @@ Result<std::shared_ptr<const Data>> MakeData(const DataRequest& request, std::ve
   }
 
   Result<Eigen::VectorXd> noise = PositionNoise(data);
-  if (!noise.ok()) return noise.status();
+  IDIM_RETURN_IF_ERROR(noise);
   data.position_noise = *noise;
-  if (Status status = CheckMotion(data); !status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(CheckMotion(data));
 
   const MeasuredRecording& first = data.recordings[0];
   const Result<StateCovariance> covariance =

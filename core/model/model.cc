@@ -24,7 +24,7 @@ bool Model::IsCarried(int payload) const {
 
 Result<Model> MakeModel(const Study& study) {
   Result<std::vector<PlacedEffect>> placed = PlaceDeclaredEffects(study);
-  if (!placed.ok()) return placed.status();
+  IDIM_RETURN_IF_ERROR(placed);
   Model model;
   model.base_parameters = std::make_shared<const BaseParameters>(StandardModel(study.robot, study.friction));
   model.gains_mode = study.gains_mode;
@@ -74,11 +74,11 @@ Result<PreparedStudy> Prepare(const Study& study, Result<Model> model, std::vect
   }
   for (size_t k = 0; k < recordings.size(); ++k) {
     if (recordings[k].name.empty()) recordings[k].name = study.recordings[k].name;
-    if (Status status = CheckRecording(study, recordings[k]); !status.ok()) return status;
+    IDIM_RETURN_IF_ERROR(CheckRecording(study, recordings[k]));
   }
-  if (!model.ok()) return model.status();
+  IDIM_RETURN_IF_ERROR(model);
   Result<std::shared_ptr<const Data>> data = MakeData(DataRequestOf(study), std::move(recordings));
-  if (!data.ok()) return data.status();
+  IDIM_RETURN_IF_ERROR(data);
   return PreparedStudy{*std::move(data), *std::move(model)};
 }
 
@@ -86,14 +86,14 @@ Result<PreparedStudy> Prepare(const Study& study, Result<Model> model, std::vect
 
 Result<PreparedStudy> PrepareStudy(const Study& given) {
   const Result<Study> study = CheckedStudy(given);
-  if (!study.ok()) return study.status();
+  IDIM_RETURN_IF_ERROR(study);
   // Before the recordings are read: what is wrong in the study is said first.
   Result<Model> model = MakeModel(*study);
-  if (!model.ok()) return model.status();
+  IDIM_RETURN_IF_ERROR(model);
   std::vector<Recording> recordings;
   for (const RecordingEntry& entry : study->recordings) {
     Result<Recording> recording = ReadRecording(*study, entry);
-    if (!recording.ok()) return recording.status();
+    IDIM_RETURN_IF_ERROR(recording);
     recordings.push_back(std::move(recording).value());
   }
   return Prepare(*study, std::move(model), std::move(recordings));
@@ -101,7 +101,7 @@ Result<PreparedStudy> PrepareStudy(const Study& given) {
 
 Result<PreparedStudy> PrepareStudy(const Study& given, std::vector<Recording> recordings) {
   const Result<Study> study = CheckedStudy(given);
-  if (!study.ok()) return study.status();
+  IDIM_RETURN_IF_ERROR(study);
   return Prepare(*study, MakeModel(*study), std::move(recordings));
 }
 

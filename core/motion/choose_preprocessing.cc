@@ -61,7 +61,7 @@ Result<Band> AnalyzeRecording(const Recording& recording, const Clock& clock) {
     // At 0.6 of the Nyquist frequency a spline with its cut-off at 0.8 of it still passes 91 %.
     usable_share = 0.6;
     const Result<SmoothingSpline> spline = SmoothingSpline::Create(recording.t, 4, kHighestCutoff / clock.step);
-    if (!spline.ok()) return spline.status();
+    IDIM_RETURN_IF_ERROR(spline);
     const Eigen::Index n = 1 + static_cast<Eigen::Index>(std::floor((clock.end - clock.start) / clock.step));
     const Eigen::VectorXd grid =
         Eigen::VectorXd::LinSpaced(n, clock.start, clock.start + static_cast<double>(n - 1) * clock.step);

@@ -33,7 +33,7 @@ Result<double> ResidualFraction(const Eigen::VectorXd& t, const Preprocessing& p
     return (impulse - filter.ZeroPhase(impulse)).squaredNorm();
   }
   const Result<SmoothingSpline> spline = SmoothingSpline::Create(t, order, preprocessing.cutoff_hz);
-  if (!spline.ok()) return spline.status();
+  IDIM_RETURN_IF_ERROR(spline);
   const Eigen::Index n = t.size();
   const Eigen::Index probes = std::clamp<Eigen::Index>(kProbeSamples / n, 4, 256);
   std::mt19937_64 bits(1);
@@ -97,7 +97,7 @@ Result<EncoderNoise> EstimateEncoderNoise(const Recording& recording, const Prep
   CHECK_EQ(states.q.cols(), recording.q.cols());
   const Clock& clock = states.clock;
   const Result<double> fraction = ResidualFraction(recording.t, preprocessing, clock);
-  if (!fraction.ok()) return fraction.status();
+  IDIM_RETURN_IF_ERROR(fraction);
 
   const double period = 1.0 / (preprocessing.cutoff_hz * clock.step);  // in samples
   const int edge = EdgeSamples(recording.samples(), preprocessing, clock);

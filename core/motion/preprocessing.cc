@@ -64,8 +64,7 @@ Result<JointStates> EstimateJointStates(const Recording& recording, const Prepro
   CHECK_GE(recording.samples(), 2);
   JointStates states;
   states.clock = AnalyzeClock(recording.t, preprocessing.options.clock_tolerance);
-  const Status status = CheckFilterable(recording, preprocessing, states.clock);
-  if (!status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(CheckFilterable(recording, preprocessing, states.clock));
 
   states.t = recording.t;
   const Eigen::Index n = recording.q.rows();

@@ -61,7 +61,7 @@ Result<StateCovariance> StateCovariance::Create(const Eigen::VectorXd& t, const 
   }
 
   Result<SmoothingSpline> spline = SmoothingSpline::Create(t, order, cutoff);
-  if (!spline.ok()) return spline.status();
+  IDIM_RETURN_IF_ERROR(spline);
   out.spline_ = std::move(spline).value();
   const std::vector<int> outputs = Spread(decimator.outputs(), kRepresentatives);
   for (const Eigen::Matrix3d& covariance : out.DecimatedOf(outputs)) out.decimated_ += covariance;

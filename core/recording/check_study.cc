@@ -169,8 +169,7 @@ Result<Study> CheckedStudy(Study study) {
   Result<Robot> robot = CheckedRobot(std::move(study.robot));
   if (!robot.ok()) return Status::BadInput(study.path + ": " + robot.status().message());
   study.robot = *std::move(robot);
-  const Status status = Checker(&study).Run();
-  if (!status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(Checker(&study).Run());
   return study;
 }
 

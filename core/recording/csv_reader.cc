@@ -202,7 +202,7 @@ Result<CsvFirstLine> ReadCsvFirstLine(const std::string& path) {
   // Opening a directory succeeds, so the plain reader's checks come first.
   if (!IsRegularFile(path)) {
     const Result<std::string> content = ReadFile(path);
-    if (!content.ok()) return content.status();
+    IDIM_RETURN_IF_ERROR(content);
   }
   FirstLineSink sink;
   const std::string reason = Parser<FirstLineSink>(&sink).Run(path);

@@ -37,7 +37,7 @@ class RecordingReader {
     if (status.ok()) status = Want();
     if (status.ok()) status = ReadFiles();
     if (status.ok()) status = Assemble();
-    if (!status.ok()) return status;
+    IDIM_RETURN_IF_ERROR(status);
     return std::move(recording_);
   }
 
@@ -62,7 +62,7 @@ class RecordingReader {
     for (const std::string& path : {entry_.q_file, entry_.signal_file, entry_.dq_file, entry_.ddq_file}) {
       if (path.empty() || files_.count(path) != 0) continue;
       Result<CsvFirstLine> first = ReadCsvFirstLine(path);
-      if (!first.ok()) return first.status();
+      IDIM_RETURN_IF_ERROR(first);
       files_[path].path = path;
       files_[path].first = *std::move(first);
     }
@@ -112,8 +112,7 @@ class RecordingReader {
       if (!path.empty() || DeclaredAny(kind) || InHeader(file, kind + "1")) WantJoints(kind, &file);
     }
     for (auto& [path, file] : files_) {
-      const Status status = Resolve(&file);
-      if (!status.ok()) return status;
+      IDIM_RETURN_IF_ERROR(Resolve(&file));
     }
     return Status::Ok();
   }
@@ -207,7 +206,7 @@ class RecordingReader {
     for (auto& [path, file] : files_) {
       Result<Eigen::MatrixXd> values =
           ReadCsvColumns(path, file.has_header, static_cast<int>(file.first.fields.size()), file.columns);
-      if (!values.ok()) return values.status();
+      IDIM_RETURN_IF_ERROR(values);
       file.values = *std::move(values);
       const Eigen::Index rows = file.values.rows();
       if (rows < 2) {

@@ -27,8 +27,7 @@ class StudyReader {
                     "signal_side", "columns", "sample_rate", "noise", "preprocessing"})) {
       return file_.status();
     }
-    const Status status = ReadRobotOf(root);
-    if (!status.ok()) return status;
+    IDIM_RETURN_IF_ERROR(ReadRobotOf(root));
     if (root["payloads"].IsDefined()) ReadPayloads(root["payloads"]);
     if (file_.Require(root, "", "recordings", "a list of recordings, {file: .., name: .., use: ..} each")) {
       ReadRecordings(root["recordings"]);
@@ -43,7 +42,7 @@ class StudyReader {
     if (root["sample_rate"].IsDefined()) study_.sample_rate = file_.PositiveNumber(root["sample_rate"], "sample_rate");
     if (root["noise"].IsDefined()) ReadNoise(root["noise"]);
     if (root["preprocessing"].IsDefined()) ReadPreprocessing(root["preprocessing"]);
-    if (!file_.ok()) return file_.status();
+    IDIM_RETURN_IF_ERROR(file_);
     return CheckedStudy(std::move(study_));
   }
 
@@ -51,14 +50,14 @@ class StudyReader {
   Status ReadRobotOf(const YAML::Node& root) {
     if (!file_.Require(root, "", "robot", "the path of a robot.yaml")) return file_.status();
     const std::string name = file_.Text(root["robot"], "robot", "the path of a robot.yaml");
-    if (!file_.ok()) return file_.status();
+    IDIM_RETURN_IF_ERROR(file_);
     const std::string path = ResolvePath(FolderOf(file_.path()), name);
     if (!IsRegularFile(path)) {
       file_.Fail(root["robot"], "robot", "no such file '" + path + "'", "the path of a robot.yaml");
       return file_.status();
     }
     Result<Robot> robot = ReadRobot(path);
-    if (!robot.ok()) return robot.status();
+    IDIM_RETURN_IF_ERROR(robot);
     study_.robot = *std::move(robot);
     n_ = study_.robot.dof();
     return Status::Ok();

@@ -34,10 +34,10 @@ std::string Base64(std::string_view bytes) {
   text.reserve((bytes.size() + 2) / 3 * 4);
   text.append(Encoder(bytes.begin()), Encoder(bytes.begin() + whole));
   if (whole < bytes.size()) {
-    std::string rest(bytes.substr(whole));
-    const std::size_t missing = 3 - rest.size();
-    rest.append(missing, '\0');
-    const std::string_view group(rest);
+    std::string tail(bytes.substr(whole));
+    const std::size_t missing = 3 - tail.size();
+    tail.append(missing, '\0');
+    const std::string_view group(tail);
     std::string last(Encoder(group.begin()), Encoder(group.end()));
     last.replace(4 - missing, missing, missing, '=');
     text += last;
@@ -210,7 +210,10 @@ class Converter {
     if (figure.mark) spec["mark"] = {{"name", figure.mark->name}, {"value", figure.mark->value}};
     if (figure.standard_normal) {
       Eigen::VectorXd expected(figure.bins);
-      const auto below = [&](int edge) { return 0.5 * std::erfc(-(lower + edge * width) / std::sqrt(2.0)); };
+      // C++17 lets no lambda capture a structured binding by its name.
+      const auto below = [from = lower, width](int edge) {
+        return 0.5 * std::erfc(-(from + edge * width) / std::sqrt(2.0));
+      };
       for (int k = 0; k < figure.bins; ++k) expected[k] = 100.0 * (below(k + 1) - below(k));
       spec["expected"] = Numbers(expected);
     }

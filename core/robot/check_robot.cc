@@ -65,7 +65,7 @@ Result<Robot> CheckedRobot(Robot robot) {
   }
   for (size_t k = 0; k < robot.couplings.size(); ++k) {
     Coupling& coupling = robot.couplings[k];
-    if (Status status = CheckCoupling(coupling, Item("couplings", k), n); !status.ok()) return status;
+    IDIM_RETURN_IF_ERROR(CheckCoupling(coupling, Item("couplings", k), n));
     for (size_t i = 0; i < k; ++i) {
       if (robot.couplings[i].motor != coupling.motor) continue;
       return Refuse(Item("couplings", k), "is of a motor that has one already", "one coupling a motor");

@@ -136,18 +136,18 @@ Result<Robot> ReadRobot(const std::string& yaml_path) {
   Robot robot;
   if (has_urdf) {
     const std::string urdf = file.Text(root["urdf"], "urdf", "the path of a URDF file");
-    if (!file.ok()) return file.status();
+    IDIM_RETURN_IF_ERROR(file);
     const std::string urdf_path = ResolvePath(FolderOf(yaml_path), urdf);
     if (!IsRegularFile(urdf_path)) file.Fail(root["urdf"], "urdf", "no such file '" + urdf_path + "'", "a URDF file");
-    if (!file.ok()) return file.status();
+    IDIM_RETURN_IF_ERROR(file);
     Result<Robot> read = ReadUrdf(urdf_path);
-    if (!read.ok()) return read;
+    IDIM_RETURN_IF_ERROR(read);
     robot = *std::move(read);
   } else if (file.ok()) {
     robot.name = std::filesystem::path(yaml_path).stem().string();
     robot.joints = ReadMdhJoints(&file, root["joints"]);
   }
-  if (!file.ok()) return file.status();
+  IDIM_RETURN_IF_ERROR(file);
 
   const int n = robot.dof();
   if (root["name"].IsDefined()) robot.name = file.Text(root["name"], "name", "a name");
@@ -160,7 +160,7 @@ Result<Robot> ReadRobot(const std::string& yaml_path) {
   if (root["couplings"].IsDefined()) {
     robot.couplings = ReadCouplings(&file, root["couplings"], n, has_transmission ? &robot.transmission : nullptr);
   }
-  if (!file.ok()) return file.status();
+  IDIM_RETURN_IF_ERROR(file);
   return robot;
 }
 

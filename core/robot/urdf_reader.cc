@@ -118,7 +118,7 @@ class ChainBuilder {
       robot->declared_inertials.push_back(
           TransformInertial(inertial, link_in_frame.linear(), link_in_frame.translation()));
     }
-    if (!status.ok()) return status;
+    IDIM_RETURN_IF_ERROR(status);
     if (visited_.size() != model.links_.size()) {
       for (const auto& [name, link] : model.links_) {
         if (visited_.count(name) == 0) {
@@ -170,8 +170,7 @@ class ChainBuilder {
           moving->push_back({joint, joint_pose});
           break;
         case urdf::Joint::FIXED: {
-          Status status = Collect(*ChildOf(link, *joint), joint_pose, inertial, moving);
-          if (!status.ok()) return status;
+          IDIM_RETURN_IF_ERROR(Collect(*ChildOf(link, *joint), joint_pose, inertial, moving));
           break;
         }
         default:
@@ -197,7 +196,7 @@ class ChainBuilder {
 
 Result<Robot> ReadUrdf(const std::string& urdf_path) {
   const Result<std::string> text = ReadFile(urdf_path);
-  if (!text.ok()) return text.status();
+  IDIM_RETURN_IF_ERROR(text);
   urdf::ModelInterfaceSharedPtr model;
   std::string problem;
   {
@@ -219,7 +218,7 @@ Result<Robot> ReadUrdf(const std::string& urdf_path) {
   const Status status = ChainBuilder(urdf_path).Build(*model, &robot);
   // Links own their children: a closed loop of them would never be freed.
   for (const auto& [name, link] : model->links_) link->child_links.clear();
-  if (!status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(status);
   robot.transmission = Eigen::MatrixXd::Identity(robot.dof(), robot.dof());
   return robot;
 }

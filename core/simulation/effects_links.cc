@@ -25,7 +25,7 @@ ActingEffects EffectsIn(const Scenario& scenario, const ScenarioRecording& recor
 StandardParts Split(const StandardModel& model, const Eigen::VectorXd& chi) {
   const int n = model.dof();
   StandardParts parts;
-  for (Eigen::VectorXd* part : {&parts.links, &parts.inertias, &parts.rest}) part->setZero(chi.size());
+  for (Eigen::VectorXd* part : {&parts.links, &parts.inertias, &parts.others}) part->setZero(chi.size());
   parts.fv.setZero(n);
   parts.fs.setZero(n);
   for (int c = 0; c < model.columns(); ++c) {
@@ -40,7 +40,7 @@ StandardParts Split(const StandardModel& model, const Eigen::VectorXd& chi) {
     } else if (parameter.name == "Fs" + number) {
       parts.fs[parameter.joint - 1] = chi[c];
     } else {
-      parts.rest[c] = chi[c];
+      parts.others[c] = chi[c];
     }
   }
   return parts;

@@ -20,7 +20,7 @@ ActingEffects EffectsIn(const Scenario& scenario, const ScenarioRecording& recor
 // Parameters of the standard model apart: links; drive inertias; friction of the couplings and offsets. Fv and Fs of
 // the joints are what effects change.
 struct StandardParts {
-  Eigen::VectorXd links, inertias, rest, fv, fs;
+  Eigen::VectorXd links, inertias, others, fv, fs;
 };
 
 StandardParts Split(const StandardModel& model, const Eigen::VectorXd& chi);

@@ -105,7 +105,7 @@ class DriveSimulation {
     }
     Eigen::VectorXd viscous = parts_.fv.cwiseProduct(motor.dq);
     Eigen::VectorXd dry = parts_.fs.cwiseProduct(direction);
-    Eigen::VectorXd other = rigid + Drives(parts_.rest, motor);
+    Eigen::VectorXd other = rigid + Drives(parts_.others, motor);
     for (const SimulatedEffect* effect : effects_) {
       for (int j : effect->joints) {
         effect->equation->AddFriction(*effect, {motor.dq[j], direction[j], rigid[j]}, &viscous[j], &dry[j]);

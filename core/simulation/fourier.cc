@@ -161,8 +161,7 @@ Result<std::unique_ptr<Trajectory>> MakeFourier(int n, const FourierOptions& opt
   const Eigen::VectorXd centre = options.centre.size() > 0 ? options.centre : 0.5 * (limits.lower + limits.upper);
   if (options.sine.size() > 0) {
     auto given = std::make_unique<Fourier>(options, centre, options.sine, options.cosine);
-    const Status status = CheckLimits(*given, limits, centre);
-    if (!status.ok()) return status;
+    IDIM_RETURN_IF_ERROR(CheckLimits(*given, limits, centre));
     return std::unique_ptr<Trajectory>(std::move(given));
   }
   Random random(options.seed);

@@ -55,13 +55,13 @@ RoughBody ReadBody(YamlFile* file, const YAML::Node& node, const std::string& ke
 
 Result<PlausibleRequest> ReadPlausibleRequest(const std::string& yaml_path, const BaseParameters& base) {
   YamlFile file(yaml_path);
-  if (!file.ok()) return file.status();
+  IDIM_RETURN_IF_ERROR(file);
   const YAML::Node& root = file.root();
   PlausibleRequest request;
   file.Map(root, "", {"base_parameters", "standard_parameters", "bodies", "spread"});
   file.Require(root, "", "base_parameters", "a list of {name, value, standard_deviation}");
   file.Require(root, "", "bodies", "a list of {mass, centre, radii}, one a link");
-  if (!file.ok()) return file.status();
+  IDIM_RETURN_IF_ERROR(file);
   request.base = ReadStated(&file, root["base_parameters"], "base_parameters", base.parameters());
   if (root["standard_parameters"].IsDefined()) {
     request.standard = ReadStated(&file, root["standard_parameters"], "standard_parameters", base.model().parameters());
@@ -77,7 +77,7 @@ Result<PlausibleRequest> ReadPlausibleRequest(const std::string& yaml_path, cons
     }
   }
   if (root["spread"].IsDefined()) request.spread = file.PositiveNumber(root["spread"], "spread");
-  if (!file.ok()) return file.status();
+  IDIM_RETURN_IF_ERROR(file);
   return request;
 }
 

@@ -212,7 +212,7 @@ void ReadOneRecording(YamlFile* file, const YAML::Node& node, const std::string&
 
 Result<Scenario> ReadScenario(const std::string& yaml_path, const EffectEquationList& equations) {
   YamlFile file(yaml_path);
-  if (!file.ok()) return file.status();
+  IDIM_RETURN_IF_ERROR(file);
   const YAML::Node& root = file.root();
   file.Map(root, "",
            {"robot", "parameters", "payloads", "gains", "position_side", "signal_side", "rate", "clock_jitter", "noise",
@@ -225,18 +225,17 @@ Result<Scenario> ReadScenario(const std::string& yaml_path, const EffectEquation
   Scenario scenario;
   scenario.path = yaml_path;
   const std::string robot = file.ok() ? file.Text(root["robot"], "robot", "the path of a robot file") : "";
-  if (!file.ok()) return file.status();
+  IDIM_RETURN_IF_ERROR(file);
   scenario.robot_path = ResolvePath(FolderOf(yaml_path), robot);
   if (!IsRegularFile(scenario.robot_path)) {
     file.Fail(root["robot"], "robot", "there is no file " + scenario.robot_path, "the path of a robot file");
     return file.status();
   }
   Result<Robot> robot_read = ReadRobot(scenario.robot_path);
-  if (!robot_read.ok()) return robot_read.status();
+  IDIM_RETURN_IF_ERROR(robot_read);
   scenario.robot = std::move(robot_read).value();
 
-  const Status parameters = ReadParameters(&file, root["parameters"], &scenario);
-  if (!parameters.ok()) return parameters;
+  IDIM_RETURN_IF_ERROR(ReadParameters(&file, root["parameters"], &scenario));
   ReadPayloads(&file, root["payloads"], &scenario);
   ReadGains(&file, root["gains"], &scenario);
   for (const auto& [name, side] :
@@ -262,7 +261,7 @@ Result<Scenario> ReadScenario(const std::string& yaml_path, const EffectEquation
     }
   }
   internal::ReadEffects(&file, root["effects"], equations, &scenario);
-  if (!file.ok()) return file.status();
+  IDIM_RETURN_IF_ERROR(file);
   return scenario;
 }
 

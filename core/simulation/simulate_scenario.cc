@@ -188,12 +188,12 @@ Json ToJson(const SimulatedEffect& effect) {
 // robot.yaml as it is; a URDF that it names goes beside it.
 Status AddRobotFiles(const Scenario& scenario, std::vector<OutputFile>* files) {
   Result<std::string> text = ReadFile(scenario.robot_path);
-  if (!text.ok()) return text.status();
+  IDIM_RETURN_IF_ERROR(text);
   YAML::Node yaml = YAML::Load(*text);  // ReadRobot() has read it before
   if (yaml["urdf"].IsDefined()) {
     const std::string given = yaml["urdf"].Scalar();
     Result<std::string> urdf = ReadFile(ResolvePath(FolderOf(scenario.robot_path), given));
-    if (!urdf.ok()) return urdf.status();
+    IDIM_RETURN_IF_ERROR(urdf);
     const std::string name = std::filesystem::path(given).filename().string();
     files->push_back({name, std::move(urdf).value()});
     if (name != given) {
@@ -250,8 +250,7 @@ Recording SimulateLog(const Scenario& scenario, const ScenarioRecording& recordi
 
 Result<std::vector<OutputFile>> RenderScenario(const Scenario& scenario) {
   std::vector<OutputFile> files;
-  const Status status = AddRobotFiles(scenario, &files);
-  if (!status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(AddRobotFiles(scenario, &files));
   const BaseParameters base(StandardModel(scenario.robot, FrictionModel()));
   Json standard = Json::object();
   for (int c = 0; c < base.model().columns(); ++c) standard[base.model().parameters()[c].name] = scenario.chi[c];

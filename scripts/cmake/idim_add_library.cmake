@@ -7,18 +7,15 @@ function(idim_add_library name)
     add_library(idim_${name} STATIC ${sources})
     # So that a shared library, such as a Python module, can link it.
     set_target_properties(idim_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-    # Under sanitizers a room of core and solvers is compiled at once, in half the time (no two names of its unnamed
-    # namespaces may be the same, pages have many such); the release build shows that a file includes what it uses.
-    if(IDIM_SANITIZE AND NOT folder MATCHES "^apps")
+    # Under sanitizers a room is compiled at once, in half the time (no two names of its unnamed namespaces may be the
+    # same); the release build shows that a file includes what it uses.
+    if(IDIM_SANITIZE)
       set_target_properties(idim_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
     endif()
     foreach(source ${sources})
       get_filename_component(room ${source} DIRECTORY)
       get_filename_component(room ${room} NAME)
-      # core/effects: each of its files has a kId.
-      if(NOT room STREQUAL "effects")
-        set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room})
-      endif()
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room})
     endforeach()
     set(scope PUBLIC)
     target_link_libraries(idim_${name} PRIVATE $<BUILD_INTERFACE:idim_compile_options>)

@@ -7,15 +7,11 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 
 option(IDIM_SANITIZE "AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
 if(IDIM_SANITIZE)
-  # Without -fsanitize=null and object-size, which cost a tenth of the compile time: AddressSanitizer reports the
-  # access itself. Nor alignment, a third of it: an aligned access of Eigen's to storage that is not faults by itself;
-  # misaligned scalars go unseen.
   # Eigen would otherwise wrap malloc under AddressSanitizer, which Ceres' own Eigen does not.
-  set(IDIM_SANITIZE_FLAGS -fsanitize=address,undefined -fno-sanitize=null,object-size,alignment
-                          -fno-sanitize-recover=all -fno-omit-frame-pointer
+  set(IDIM_SANITIZE_FLAGS -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
                           -DEIGEN_MALLOC_ALREADY_ALIGNED=1)
   add_compile_options(${IDIM_SANITIZE_FLAGS})
   add_link_options(${IDIM_SANITIZE_FLAGS})
   # The instrumentation makes GCC 12 see uninitialised values in <regex> where there are none.
-  target_compile_options(idim_compile_options INTERFACE -Wno-maybe-uninitialized)
+  target_compile_options(idim_compile_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 endif()

@@ -106,7 +106,7 @@ Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
   BundleData data;
   data.dof = prepared.robot().dof();
   if (model.IdentifiesGains()) {
-    if (Status status = CheckGainStudy(prepared); !status.ok()) return status;
+    IDIM_RETURN_IF_ERROR(CheckGainStudy(prepared));
   }
   data.unknowns = Unknowns(model, UncertainPayload::kUnknown);
   data.inverse_drive = prepared.data->drive.Matrix().inverse();
@@ -116,7 +116,7 @@ Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
     const MeasuredRecording& recording = prepared.data->recordings[static_cast<size_t>(r)];
     const Result<StateCovariance> covariance =
         StateCovariance::Create(recording.recording->t, prepared.data->preprocessing, *recording.decimator);
-    if (!covariance.ok()) return covariance.status();
+    IDIM_RETURN_IF_ERROR(covariance);
     std::vector<Eigen::Matrix3d> of_joints;
     for (const double sigma : prepared.data->position_noise) {
       of_joints.push_back(sigma * sigma * covariance->decimated());
@@ -136,11 +136,11 @@ Result<BundleData> BuildBundleData(const PreparedStudy& prepared) {
     const std::optional<int> coulomb = data.unknowns.Find("Fs" + std::to_string(j));
     data.coulomb_columns.push_back(coulomb ? *coulomb - data.num_gains() : -1);
   }
-  if (Status status = SetPriors(model, &data); !status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(SetPriors(model, &data));
   return data;
 }
 
-BundleData WithEffectsOf(const PreparedStudy& prepared, const BundleData& before) {
+BundleData WithEffectColumnsOf(const PreparedStudy& prepared, const BundleData& before) {
   BundleData data = before;
   data.unknowns = Unknowns(prepared.model, UncertainPayload::kUnknown);
   const Status priors = SetPriors(prepared.model, &data);

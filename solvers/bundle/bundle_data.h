@@ -94,7 +94,7 @@ Result<BundleData> BuildBundleData(const PreparedStudy& prepared);
 
 // The same for a model whose effects alone have changed since `before` was built, without a pass over the recordings.
 // Its priors are on unknowns that are there (CHECK).
-BundleData WithEffectsOf(const PreparedStudy& prepared, const BundleData& before);
+BundleData WithEffectColumnsOf(const PreparedStudy& prepared, const BundleData& before);
 
 // Begin and end of the samples of each recording.
 SampleRanges RecordingsOf(const BundleData& data);

@@ -29,12 +29,12 @@ ResidualModel::Explanation Solve(const MatrixXd& gram, const VectorXd& scores) {
   std::vector<Index> kept;
   for (Index a = 0; a < width; ++a) {
     const Index n = static_cast<Index>(kept.size());
-    double rest = gram(a, a);
+    double left = gram(a, a);
     if (n > 0) {
       const VectorXd mixed = gram(kept, a);
-      rest -= mixed.dot(gram(kept, kept).ldlt().solve(mixed));
+      left -= mixed.dot(gram(kept, kept).ldlt().solve(mixed));
     }
-    if (rest >= kImitated * kImitated) kept.push_back(a);
+    if (left >= kImitated * kImitated) kept.push_back(a);
   }
   ResidualModel::Explanation result;
   result.step = VectorXd::Zero(width);
@@ -134,14 +134,14 @@ MatrixXd ResidualModel::Remainder(const MatrixXd& z, int passes) const {
   for (Index a = 0; a < z.cols(); ++a) {
     const double norm = z.col(a).norm();
     if (!(norm > 0.0) || !std::isfinite(norm)) continue;
-    VectorXd rest = z.col(a) / norm;
+    VectorXd left = z.col(a) / norm;
     // Twice is enough (Giraud, Langou & Rozloznik 2005).
     for (int pass = 0; pass < passes; ++pass) {
-      rest -= q_ * (q_.transpose() * rest).eval();
-      rest -= result.leftCols(kept) * (result.leftCols(kept).transpose() * rest).eval();
+      left -= q_ * (q_.transpose() * left).eval();
+      left -= result.leftCols(kept) * (result.leftCols(kept).transpose() * left).eval();
     }
-    if (rest.norm() < kImitated) continue;
-    result.col(kept++) = rest.normalized();
+    if (left.norm() < kImitated) continue;
+    result.col(kept++) = left.normalized();
   }
   return result.leftCols(kept);
 }
@@ -174,12 +174,12 @@ ResidualModel::Score ResidualModel::Test(const MatrixXd& remainder) const {
   score.degrees = static_cast<int>(remainder.cols());
   if (score.degrees == 0) return score;
   const VectorXd sum = remainder.transpose() * residual_;
-  const VectorXd rest = residual_ - remainder * sum;
+  const VectorXd left = residual_ - remainder * sum;
   MatrixXd scores(samples(), remainder.cols());
   VectorXd leverage(samples());
   for (Index k = 0; k < samples(); ++k) {
     const auto rows = remainder.middleRows(k * dof_, dof_);
-    scores.row(k) = rest.segment(k * dof_, dof_).transpose() * rows;
+    scores.row(k) = left.segment(k * dof_, dof_).transpose() * rows;
     leverage[k] = rows.squaredNorm();
   }
   score.lag = ChooseLag(scores, recordings_);
@@ -213,7 +213,7 @@ ResidualModel::HeldOut ResidualModel::CrossValidate(const MatrixXd& remainder) c
     // The unknowns are eliminated before the extra columns (Schur complement).
     MatrixXd mixed = MatrixXd::Zero(c, p), extra = MatrixXd::Identity(p, p);
     VectorXd right = explained;
-    for (const auto& [begin, end] : segments) {
+    for (const auto& [begin, end] : p > 0 ? segments : SampleRanges()) {
       const auto q = q_.middleRows(begin * dof_, (end - begin) * dof_);
       const auto z = remainder.middleRows(begin * dof_, (end - begin) * dof_);
       mixed.noalias() -= q.transpose() * z;
@@ -227,11 +227,11 @@ ResidualModel::HeldOut ResidualModel::CrossValidate(const MatrixXd& remainder) c
       move -= eliminated * move_extra;
     }
     for (const auto& [begin, end] : segments) {
-      const VectorXd rest = residual_.segment(begin * dof_, (end - begin) * dof_) -
-                            q_.middleRows(begin * dof_, (end - begin) * dof_) * move -
-                            remainder.middleRows(begin * dof_, (end - begin) * dof_) * move_extra;
+      VectorXd left = residual_.segment(begin * dof_, (end - begin) * dof_) -
+                      q_.middleRows(begin * dof_, (end - begin) * dof_) * move;
+      if (p > 0) left.noalias() -= remainder.middleRows(begin * dof_, (end - begin) * dof_) * move_extra;
       for (Index k = begin; k < end; ++k) {
-        const auto of_sample = rest.segment((k - begin) * dof_, dof_);
+        const auto of_sample = left.segment((k - begin) * dof_, dof_);
         result.squares.row(f) += of_sample.cwiseAbs2().transpose();
         result.residual.row(k) = to_torque_[static_cast<size_t>(k)] * of_sample;
       }

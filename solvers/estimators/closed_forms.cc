@@ -77,7 +77,7 @@ Result<FitSummary> SummarizeLinear(const PreparedStudy& prepared, const LinearOp
                             ": key 'gains.mode': 'identify' asks for drive gains, which this estimator "
                             "takes as known; expected 'known' with values");
   }
-  if (Status status = CheckValidationPayloads(prepared); !status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(CheckValidationPayloads(prepared));
   const auto [unknowns, summary] = FitLinear(prepared, options);
   FitSummary fit;
   fit.unknowns = unknowns;
@@ -94,12 +94,12 @@ Result<FitSummary> SummarizeLinear(const PreparedStudy& prepared, const LinearOp
 
 Result<Identification> IdentifyLinear(const PreparedStudy& prepared, const LinearOptions& options) {
   const Result<FitSummary> fit = SummarizeLinear(prepared, options);
-  if (!fit.ok()) return fit.status();
+  IDIM_RETURN_IF_ERROR(fit);
   return ToIdentification(prepared, *fit);
 }
 
 Result<FitSummary> SummarizeGains(const PreparedStudy& prepared, const GainSystem& system, const GainOptions& options) {
-  if (Status status = CheckValidationPayloads(prepared); !status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(CheckValidationPayloads(prepared));
   FitSummary fit;
   fit.unknowns = Unknowns(prepared.model, UncertainPayload::kExact);
   GainOptions used = options;
@@ -122,7 +122,7 @@ Result<FitSummary> SummarizeGains(const PreparedStudy& prepared, const GainSyste
 Result<Identification> IdentifyGains(const PreparedStudy& prepared, const GainSystem& system,
                                      const GainOptions& options) {
   const Result<FitSummary> fit = SummarizeGains(prepared, system, options);
-  if (!fit.ok()) return fit.status();
+  IDIM_RETURN_IF_ERROR(fit);
   return ToIdentification(prepared, *fit);
 }
 

@@ -168,9 +168,9 @@ Result<EivFit> FitEiv(const PreparedStudy& prepared, const GainSystem* system, c
   CHECK(options.IsValid(&error)) << error;
   const bool identify = prepared.model.IdentifiesGains();
   CHECK_EQ(identify, system != nullptr);
-  if (Status status = CheckValidationPayloads(prepared); !status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(CheckValidationPayloads(prepared));
   Result<BundleData> data = BuildBundleData(prepared);
-  if (!data.ok()) return data.status();
+  IDIM_RETURN_IF_ERROR(data);
 
   EivFit fit;
   fit.data = std::move(data).value();
@@ -241,13 +241,13 @@ FitSummary SummaryOf(const BundleData& data, const BundleSummary& summary, const
 
 Result<FitSummary> SummarizeEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options) {
   const Result<EivFit> fit = FitEiv(prepared, system, options);
-  if (!fit.ok()) return fit.status();
+  IDIM_RETURN_IF_ERROR(fit);
   return SummaryOf(fit->data, fit->summary, fit->header);
 }
 
 Result<Identification> IdentifyEiv(const PreparedStudy& prepared, const GainSystem* system, const EivOptions& options) {
   const Result<FitSummary> fit = SummarizeEiv(prepared, system, options);
-  if (!fit.ok()) return fit.status();
+  IDIM_RETURN_IF_ERROR(fit);
   return ToIdentification(prepared, *fit);
 }
 

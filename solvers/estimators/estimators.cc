@@ -15,7 +15,7 @@ Result<EstimatorRunner> EstimatorRunner::Create(const PreparedStudy* prepared) {
   EstimatorRunner runner(prepared);
   if (prepared->model.IdentifiesGains()) {
     Result<GainSystem> system = BuildGainSystem(*prepared);
-    if (!system.ok()) return system.status();
+    IDIM_RETURN_IF_ERROR(system);
     runner.gain_system_ = std::move(system).value();
   }
   return runner;
@@ -44,7 +44,7 @@ Result<Identification> EstimatorRunner::Run(const std::string& name, double esse
     return Status::BadInput((estimator->has_robust_loss() ? "--r_sigma, --huber: " : "--r_sigma: ") + error);
   }
   const Result<FitSummary> fit = estimator->Fit(*prepared_, gain_system_ ? &*gain_system_ : nullptr, options);
-  if (!fit.ok()) return fit.status();
+  IDIM_RETURN_IF_ERROR(fit);
   return ToIdentification(*prepared_, *fit);
 }
 
@@ -77,7 +77,7 @@ Result<std::vector<BiasTest>> EstimatorRunner::TestBias() const {
   std::vector<BiasTest> tests;
   if (!gain_system_) return tests;
   const Result<LaggedSystem> lagged = BuildLaggedSystem(*prepared_, LaggedOptions());
-  if (!lagged.ok()) return lagged.status();
+  IDIM_RETURN_IF_ERROR(lagged);
   const auto add = [&](const std::string& equations, const ExogeneityTest& test) {
     tests.push_back(
         {test.status, equations, test.biased, test.f, test.numerator, test.denominator, test.p_value, test.sargan_p});

@@ -4,12 +4,11 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <atomic>
 #include <mutex>
 #include <random>
-#include <thread>
 #include <utility>
 
+#include "core/base/parallel_for.h"
 #include "core/model/active_effects.h"
 #include "core/model/prediction.h"
 #include "core/model/unknowns.h"
@@ -62,8 +61,8 @@ std::vector<PlacedEffect> EffectsAt(const StatedModel& stated) {
 }
 
 Result<Simulator> MakeSimulator(const PreparedStudy& prepared, const Estimate& reference) {
-  const Result<ArmParameters> arm = ParametersOf(prepared, ReferenceOf(reference));
-  if (!arm.ok()) return arm.status();
+  const Result<ArmParameters> arm = ArmParametersOf(prepared, ReferenceOf(reference));
+  IDIM_RETURN_IF_ERROR(arm);
   const Eigen::FullPivLU<MatrixXd> inverse(prepared.data->drive.Matrix(arm->gains));
   if (!inverse.isInvertible()) {
     return Status::BadInput(prepared.path() +
@@ -121,7 +120,8 @@ std::vector<RunErrors> OneRun(const Simulator& simulator, const std::vector<std:
   }
   std::vector<RunErrors> errors;
   const auto fail = [&](const Status& status) {
-    for (const std::string& name : estimators) errors.push_back(ErrorsOf(simulator.parameters, Failed(name, status)));
+    for (const std::string& name : estimators)
+      errors.push_back(RunErrorsOf(simulator.parameters, Failed(name, status)));
     return errors;
   };
   Result<std::shared_ptr<const Data>> data = MakeData(simulator.request, std::move(recordings));
@@ -132,7 +132,7 @@ std::vector<RunErrors> OneRun(const Simulator& simulator, const std::vector<std:
   if (!runner.ok()) return fail(runner.status());
   for (const std::string& name : estimators) {
     const Result<Identification> result = runner->Run(name, options.essential_ratio);
-    errors.push_back(ErrorsOf(simulator.parameters, result.ok() ? result->estimate : Failed(name, result.status())));
+    errors.push_back(RunErrorsOf(simulator.parameters, result.ok() ? result->estimate : Failed(name, result.status())));
   }
   return errors;
 }
@@ -159,25 +159,18 @@ Result<MonteCarlo> RunMonteCarlo(const PreparedStudy& prepared, const Estimate& 
   CHECK(!reference.parameters.empty()) << reference.estimator << " has no numbers to simulate from";
   CHECK_EQ(reference.signal_noise.size(), prepared.robot().dof());
   const Result<Simulator> simulator = MakeSimulator(prepared, reference);
-  if (!simulator.ok()) return simulator.status();
+  IDIM_RETURN_IF_ERROR(simulator);
 
   std::vector<std::vector<RunErrors>> by_estimator(estimators.size(), std::vector<RunErrors>(options.runs));
-  std::atomic<int> next{0};
   std::mutex mutex;
   int done = 0;
-  const auto work = [&] {
-    for (int run = next++; run < options.runs; run = next++) {
-      std::vector<RunErrors> errors = OneRun(*simulator, estimators, options, run);
-      for (size_t k = 0; k < estimators.size(); ++k) by_estimator[k][run] = std::move(errors[k]);
-      const std::lock_guard<std::mutex> lock(mutex);
-      ++done;
-      if (progress) progress(done);
-    }
-  };
-  std::vector<std::thread> others;
-  for (int k = 1; k < std::min(options.threads, options.runs); ++k) others.emplace_back(work);
-  work();
-  for (std::thread& thread : others) thread.join();
+  ParallelFor(options.threads, options.runs, [&](int run) {
+    std::vector<RunErrors> errors = OneRun(*simulator, estimators, options, run);
+    for (size_t k = 0; k < estimators.size(); ++k) by_estimator[k][run] = std::move(errors[k]);
+    const std::lock_guard<std::mutex> lock(mutex);
+    ++done;
+    if (progress) progress(done);
+  });
 
   MonteCarlo result;
   result.runs = options.runs;

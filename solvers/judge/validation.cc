@@ -104,7 +104,7 @@ std::optional<double> MassEstimate::ErrorPercent() const {
   return 100.0 * std::abs(*weighed - value) / *weighed;
 }
 
-Result<PreparedStudy> WithEffectsOf(const PreparedStudy& prepared, const Reference& estimate) {
+Result<PreparedStudy> PreparedWithEffectsOf(const PreparedStudy& prepared, const Reference& estimate) {
   PreparedStudy with = prepared;
   if (estimate.velocity_zero_at_rest && !with.data->velocity_zero_at_rest) {
     with.data = WithVelocityZeroAtRest(*with.data);
@@ -151,7 +151,7 @@ Result<PreparedStudy> WithEffectsOf(const PreparedStudy& prepared, const Referen
   return with;
 }
 
-Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Reference& estimate) {
+Result<ArmParameters> ArmParametersOf(const PreparedStudy& prepared, const Reference& estimate) {
   const Model& model = prepared.model;
   const Robot& robot = prepared.robot();
   const int n = robot.dof();
@@ -220,10 +220,10 @@ Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Referenc
 }
 
 Result<Validation> Validate(const PreparedStudy& as_recorded, const Reference& estimate) {
-  const Result<PreparedStudy> with_effects = WithEffectsOf(as_recorded, estimate);
-  if (!with_effects.ok()) return with_effects.status();
-  const Result<ArmParameters> arm = ParametersOf(*with_effects, estimate);
-  if (!arm.ok()) return arm.status();
+  const Result<PreparedStudy> with_effects = PreparedWithEffectsOf(as_recorded, estimate);
+  IDIM_RETURN_IF_ERROR(with_effects);
+  const Result<ArmParameters> arm = ArmParametersOf(*with_effects, estimate);
+  IDIM_RETURN_IF_ERROR(arm);
   const StatedModel stated = AsStated(*with_effects, *arm);
   const PreparedStudy& prepared = stated.prepared;
   Validation validation;

@@ -54,14 +54,14 @@ struct Validation {
 // The study with the effects of an estimate.json at their stated shapes, and with velocities zero at rest where that
 // was fitted so. Shapes get no columns; those of the effects wait for a model (AsStated()). BadInput: an effect or a
 // shape that there is not, joints that the robot does not have.
-Result<PreparedStudy> WithEffectsOf(const PreparedStudy& prepared, const Reference& estimate);
+Result<PreparedStudy> PreparedWithEffectsOf(const PreparedStudy& prepared, const Reference& estimate);
 
 // The parameters of an estimate.json in the order of the study's model, of shapes the step from the study's. Gains: the
 // estimate's, else the study's. Base parameters that it lacks are zero (not essential). BadInput: it states another
 // robot; neither has gains; it has parameters that the study's model does not; it has none of the model's.
-Result<ArmParameters> ParametersOf(const PreparedStudy& prepared, const Reference& estimate);
+Result<ArmParameters> ArmParametersOf(const PreparedStudy& prepared, const Reference& estimate);
 
-// BadInput: as ParametersOf; a study without validation recording.
+// BadInput: as ArmParametersOf; a study without validation recording.
 Result<Validation> Validate(const PreparedStudy& prepared, const Reference& estimate);
 
 }  // namespace idim

@@ -113,8 +113,9 @@ ExogeneityTest TestExogeneity(const MatrixXd& r, std::int64_t rows, int instrume
   const MatrixXd without = own.Residual(suspect);
   test.first_stage_f.resize(suspect.cols());
   for (Index k = 0; k < suspect.cols(); ++k) {
-    const double rest = v.col(k).squaredNorm();
-    test.first_stage_f[k] = (without.col(k).squaredNorm() - rest) / added / (rest / static_cast<double>(stage_freedom));
+    const double squares_left = v.col(k).squaredNorm();
+    test.first_stage_f[k] =
+        (without.col(k).squaredNorm() - squares_left) / added / (squares_left / static_cast<double>(stage_freedom));
   }
   if (const double weakest = test.first_stage_f.minCoeff(); weakest < options.min_first_stage_f) {
     test.status =
@@ -130,7 +131,7 @@ ExogeneityTest TestExogeneity(const MatrixXd& r, std::int64_t rows, int instrume
   test.numerator = augmented.rank() - plain.rank();
   test.denominator = rows - augmented.rank();
   if (test.numerator <= 0 || test.denominator <= 0) {
-    test.status = Status::Untrusted("exogeneity test: the instruments explain the suspected columns without rest");
+    test.status = Status::Untrusted("exogeneity test: the instruments explain the suspected columns with nothing left");
     return test;
   }
   const double restricted = plain.Residual(y).squaredNorm(), free = augmented.Residual(y).squaredNorm();
@@ -156,7 +157,7 @@ Result<LaggedSystem> BuildLaggedSystem(const PreparedStudy& prepared, const Lagg
                             "; expected both at least 1");
   }
   const Result<GainRows> rows = GainRows::Create(prepared);
-  if (!rows.ok()) return rows.status();
+  IDIM_RETURN_IF_ERROR(rows);
   const int unknowns = rows->unknowns().size();
   LaggedSystem system;
   system.dof = prepared.robot().dof();

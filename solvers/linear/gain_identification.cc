@@ -113,8 +113,8 @@ VectorXd RowSigma(const GainSystem& system, const VectorXd& values) {
 Status CheckScale(const GainSystem& system, const MatrixXd& r, double rank_tolerance) {
   const Index n = system.dof(), unknowns = static_cast<Index>(system.unknowns.size());
   const double known = r.col(unknowns).norm();
-  const Remainder rest = RemainderOf(r.middleCols(n, unknowns - n), r.col(unknowns), rank_tolerance);
-  if (known > 0.0 && rest.norm > kRoundingShare * known) return Status::Ok();
+  const Remainder remainder = RemainderOf(r.middleCols(n, unknowns - n), r.col(unknowns), rank_tolerance);
+  if (known > 0.0 && remainder.norm > kRoundingShare * known) return Status::Ok();
   return Status::Untrusted(
       "gains have no scale: the torque of the known payload parameters is zero, or is one that the arm's own or "
       "unknown "

@@ -57,7 +57,7 @@ void GainSystem::Merge(const GainSystem& other) {
 Result<GainSystem> BuildGainSystem(const PreparedStudy& prepared) {
   const int n = prepared.robot().dof();
   Result<GainRows> rows = GainRows::Create(prepared);
-  if (!rows.ok()) return rows.status();
+  IDIM_RETURN_IF_ERROR(rows);
   GainSystem system(rows->unknowns().parameters(), n);
   system.a_priori_gains = prepared.model.gains;
   const Eigen::Index known_column = rows->unknowns().size();
@@ -82,7 +82,7 @@ Result<GainSystem> BuildGainSystem(const PreparedStudy& prepared) {
 }
 
 Result<GainRows> GainRows::Create(const PreparedStudy& prepared) {
-  if (Status status = CheckGainStudy(prepared); !status.ok()) return status;
+  IDIM_RETURN_IF_ERROR(CheckGainStudy(prepared));
   return GainRows(prepared);
 }
 

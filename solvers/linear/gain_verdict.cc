@@ -121,23 +121,23 @@ std::vector<GainVerdict> JudgeGains(const GainSystem& system, double rank_tolera
     others << r.leftCols(j), r.middleCols(j + 1, unknowns - 1 - j);
     Eigen::ColPivHouseholderQR<MatrixXd> qr(others * ColumnScales(others).cwiseInverse().asDiagonal());
     qr.setThreshold(rank_tolerance);
-    MatrixXd rest(r.rows(), 2);
-    rest << r.col(j), r.col(unknowns);
-    rest = (qr.householderQ().transpose() * rest).eval();
-    const auto signal = rest.col(0).tail(r.rows() - qr.rank());
-    const auto known = rest.col(1).tail(r.rows() - qr.rank());
-    const double column = r.col(j).norm(), left = signal.norm(), load = known.norm();
+    MatrixXd remainder(r.rows(), 2);
+    remainder << r.col(j), r.col(unknowns);
+    remainder = (qr.householderQ().transpose() * remainder).eval();
+    const auto signal = remainder.col(0).tail(r.rows() - qr.rank());
+    const auto known = remainder.col(1).tail(r.rows() - qr.rank());
+    const double column = r.col(j).norm(), norm_left = signal.norm(), load = known.norm();
     const double product = signal.dot(known);
-    if (left > 0.0) {
-      v.independent = left / column;
-      v.known_share = load > 0.0 ? std::pow(product / (left * load), 2) : 0.0;
+    if (norm_left > 0.0) {
+      v.independent = norm_left / column;
+      v.known_share = load > 0.0 ? std::pow(product / (norm_left * load), 2) : 0.0;
       v.unexplained = v.independent * std::sqrt(std::max(0.0, 1.0 - v.known_share));
-      v.least_squares = -product / (left * left);
+      v.least_squares = -product / (norm_left * norm_left);
     } else {
       v.independent = v.unexplained = v.known_share = 0.0;
     }
     v.noise = column > 0.0 ? std::sqrt(noise[j]) / column : 0.0;
-    v.reliability = left > 0.0 ? std::max(0.0, 1.0 - noise[j] / (left * left)) : 0.0;
+    v.reliability = norm_left > 0.0 ? std::max(0.0, 1.0 - noise[j] / (norm_left * norm_left)) : 0.0;
     v.strength = v.reliability >= 2.0 / 3.0 ? GainStrength::kStrong
                  : v.reliability >= 0.2     ? GainStrength::kWeak
                                             : GainStrength::kNone;

@@ -18,8 +18,8 @@ using Eigen::VectorXd;
 double OwnSigma(const TriangularFactor& joint, double rank_tolerance) {
   const MatrixXd r = joint.R();
   const Eigen::Index c = r.cols() - 1;
-  const Remainder rest = RemainderOf(r.leftCols(c), r.col(c), rank_tolerance);
-  return rest.norm / std::sqrt(std::max<double>(1.0, static_cast<double>(joint.rows() - rest.rank)));
+  const Remainder remainder = RemainderOf(r.leftCols(c), r.col(c), rank_tolerance);
+  return remainder.norm / std::sqrt(std::max<double>(1.0, static_cast<double>(joint.rows() - remainder.rank)));
 }
 
 }  // namespace

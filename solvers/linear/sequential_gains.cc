@@ -32,15 +32,15 @@ std::optional<Coefficient> Determine(const MatrixXd& a, const VectorXd& b, Index
   others << a.leftCols(k), a.rightCols(a.cols() - 1 - k);
   Eigen::ColPivHouseholderQR<MatrixXd> qr(others * ColumnScales(others).cwiseInverse().asDiagonal());
   qr.setThreshold(rank_tolerance);
-  MatrixXd rest(a.rows(), 2);
-  rest << a.col(k), b;
-  rest = (qr.householderQ().transpose() * rest).bottomRows(a.rows() - qr.rank()).eval();
-  const double left = rest.col(0).norm();
-  if (!(left > kDetermined * a.col(k).norm())) return std::nullopt;
+  MatrixXd remainder(a.rows(), 2);
+  remainder << a.col(k), b;
+  remainder = (qr.householderQ().transpose() * remainder).bottomRows(a.rows() - qr.rank()).eval();
+  const double norm_left = remainder.col(0).norm();
+  if (!(norm_left > kDetermined * a.col(k).norm())) return std::nullopt;
   Coefficient c;
-  c.value = rest.col(0).dot(rest.col(1)) / (left * left);
+  c.value = remainder.col(0).dot(remainder.col(1)) / (norm_left * norm_left);
   const double freedom = std::max(1.0, rows - static_cast<double>(qr.rank()) - 1.0);
-  c.standard_deviation = (rest.col(1) - c.value * rest.col(0)).norm() / std::sqrt(freedom) / left;
+  c.standard_deviation = (remainder.col(1) - c.value * remainder.col(0)).norm() / std::sqrt(freedom) / norm_left;
   return c;
 }
 
@@ -70,8 +70,8 @@ SequentialGains SolveSequentialGains(const GainSystem& system, double rank_toler
     const auto own = std::find(columns.begin(), columns.end(), j);
     if (own == columns.end()) return false;
     const MatrixXd a = SelectColumns(r, columns).leftCols(static_cast<Index>(columns.size()));
-    const Remainder rest = RemainderOf(a.rightCols(a.cols() - gains), known, rank_tolerance);
-    if (!(rest.norm > kDetermined * known.norm())) return false;
+    const Remainder remainder = RemainderOf(a.rightCols(a.cols() - gains), known, rank_tolerance);
+    if (!(remainder.norm > kDetermined * known.norm())) return false;
     const double rows = static_cast<double>(system.joints[j].rows());
     const std::optional<Coefficient> gain = Determine(a, known, own - columns.begin(), rows, rank_tolerance);
     if (!gain) return false;

@@ -22,12 +22,12 @@ Eigen::MatrixXd SignalNoise(const GainSystem& system, double rank_tolerance) {
   for (int k = 0; k < n; ++k) {
     Eigen::MatrixXd others(r[k].rows(), r[k].cols() - 1);
     others << r[k].leftCols(k), r[k].rightCols(r[k].cols() - 1 - k);
-    const Remainder rest = RemainderOf(others, r[k].col(k), rank_tolerance);
+    const Remainder remainder = RemainderOf(others, r[k].col(k), rank_tolerance);
     const double rows = std::max(1.0, static_cast<double>(system.joints[k].rows()));
     const double norm = r[k].col(k).norm();
     if (norm == 0.0) continue;
-    const double own =
-        std::max(rest.norm / std::sqrt(std::max(1.0, rows - rest.rank)), kSmallestShare * norm / std::sqrt(rows));
+    const double own = std::max(remainder.norm / std::sqrt(std::max(1.0, rows - remainder.rank)),
+                                kSmallestShare * norm / std::sqrt(rows));
     for (int j = 0; j < n; ++j) noise(j, k) = own * r[j].col(k).norm() / norm;
   }
   return noise;

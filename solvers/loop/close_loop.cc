@@ -80,8 +80,8 @@ class LoopProblem {
     step.candidate = chosen;
     step.candidate.remainder.resize(0, 0);
     step.threshold = options_.significance;
-    step.before = ErrorsOf(before, held_out_by_blocks_);
-    step.after = ErrorsOf(after, held_out_by_blocks_);
+    step.before = LoopErrorsOf(before, held_out_by_blocks_);
+    step.after = LoopErrorsOf(after, held_out_by_blocks_);
     step.moved = MovedBetween(before.fit, after.fit);
     for (const EffectCandidate& candidate : scan) {
       step.ranking.push_back(candidate);
@@ -134,10 +134,10 @@ Result<LoopResult> CloseLoop(const PreparedStudy& as_recorded, const LoopOptions
   result.before = IdentificationOf(*declared);
   const LoopProblem problem(options, result.held_out_by_blocks);
   Search search(problem, options, JudgedFit(std::move(declared).value()));
-  result.declared = ErrorsOf(search.model(), result.held_out_by_blocks);
+  result.declared = LoopErrorsOf(search.model(), result.held_out_by_blocks);
   search.Run();
   const JudgedFit& final = search.model();
-  result.final = ErrorsOf(final, result.held_out_by_blocks);
+  result.final = LoopErrorsOf(final, result.held_out_by_blocks);
   result.steps = search.TakeSteps();
   for (const Search::Dropped& dropped : search.dropped()) result.dropped.push_back(Sentence(dropped));
   // Values and shapes of the last fit, in which effects found later take part.

@@ -107,14 +107,14 @@ Result<EffectFit> FitWithDeclaredEffects(const PreparedStudy& prepared) {
   std::vector<ActiveEffect> known, to_find;
   for (const PlacedEffect& declared : prepared.model.declared) {
     Result<Declared> resolved = Resolve(prepared, declared);
-    if (!resolved.ok()) return resolved.status();
+    IDIM_RETURN_IF_ERROR(resolved);
     (resolved->has_shape ? known : to_find).push_back(std::move(resolved->active));
   }
   Result<EffectFit> fit = FitDeclared(prepared);
-  if (!fit.ok()) return fit.status();
+  IDIM_RETURN_IF_ERROR(fit);
   if (!known.empty()) {
     fit = AddKnown(*fit, known);
-    if (!fit.ok()) return fit.status();
+    IDIM_RETURN_IF_ERROR(fit);
   }
   for (const ActiveEffect& declared : to_find) {
     const ResidualModel residual(fit->prepared.base(), fit->data, fit->summary);
@@ -135,7 +135,7 @@ Result<EffectFit> FitWithDeclaredEffects(const PreparedStudy& prepared) {
 Result<PreparedStudy> DeclareEffects(const PreparedStudy& prepared) {
   if (prepared.model.declared.empty()) return prepared;
   Result<EffectFit> fit = FitWithDeclaredEffects(prepared);
-  if (!fit.ok()) return fit.status();
+  IDIM_RETURN_IF_ERROR(fit);
   return std::move(fit->prepared);
 }
 

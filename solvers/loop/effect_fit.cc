@@ -43,7 +43,7 @@ EffectFit WithColumns(const EffectFit& from, const std::vector<ActiveEffect>& ef
                       const std::vector<EffectMotion>& motions, VectorXd* values) {
   EffectFit fit = from;
   fit.prepared.model = WithEffects(from.prepared, effects, motions);
-  fit.data = WithEffectsOf(fit.prepared, from.data);
+  fit.data = WithEffectColumnsOf(fit.prepared, from.data);
   *values = StartFrom(from.data, *values, fit.data);
   return fit;
 }
@@ -129,10 +129,10 @@ Result<EffectFit> FitDeclared(const PreparedStudy& prepared) {
   const bool identify = prepared.model.IdentifiesGains();
   if (identify) {
     system = BuildGainSystem(prepared);
-    if (!system.ok()) return system.status();
+    IDIM_RETURN_IF_ERROR(system);
   }
   Result<EivFit> fit = FitEiv(prepared, identify ? &*system : nullptr, EivOptions());
-  if (!fit.ok()) return fit.status();
+  IDIM_RETURN_IF_ERROR(fit);
   if (!fit->summary.IsSolutionUsable()) return fit->summary.status;
   return EffectFit{prepared, std::move(fit->data), std::move(fit->summary), std::move(fit->header)};
 }

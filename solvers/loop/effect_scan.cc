@@ -1,12 +1,11 @@
 #include "solvers/loop/effect_scan.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <mutex>
-#include <thread>
 
+#include "core/base/parallel_for.h"
 #include "core/effects/effect_motion.h"
 #include "core/model/active_effects.h"
 
@@ -244,23 +243,17 @@ EffectScan ScanEffects(const PreparedStudy& prepared, const ResidualModel& resid
   const Columns columns(prepared, residual, motions, arm);
   std::vector<EffectCandidate> all(places.size());
   std::vector<int> tried(places.size(), 0);
-  std::atomic<size_t> next{0};
   size_t done = 0;
   std::mutex mutex;
-  const auto work = [&] {
-    for (size_t k = next++; k < places.size(); k = next++) {
-      all[k] = ShapeSearch(places[k], columns, residual).Run(&tried[k]);
-      if (all[k].remainder.cols() > 0) all[k].score = residual.Test(all[k].remainder);
-      const std::lock_guard<std::mutex> lock(mutex);
-      if (options.progress) {
-        options.progress(std::to_string(++done) + " of " + std::to_string(places.size()) + " candidates");
-      }
+  ParallelFor(options.threads, static_cast<int>(places.size()), [&](int place) {
+    const auto k = static_cast<size_t>(place);
+    all[k] = ShapeSearch(places[k], columns, residual).Run(&tried[k]);
+    if (all[k].remainder.cols() > 0) all[k].score = residual.Test(all[k].remainder);
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (options.progress) {
+      options.progress(std::to_string(++done) + " of " + std::to_string(places.size()) + " candidates");
     }
-  };
-  std::vector<std::thread> threads;
-  for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
+  });
 
   EffectScan scan;
   for (const int count : tried) scan.tried += count;

@@ -40,7 +40,7 @@ class ErrorSum {
 
 }  // namespace
 
-LoopErrors ErrorsOf(const JudgedFit& model, bool by_blocks) {
+LoopErrors LoopErrorsOf(const JudgedFit& model, bool by_blocks) {
   const std::vector<BundleSample>& samples = model.fit.data.samples();
   const int n = model.residual.dof();
   const MatrixXd torque = model.residual.torque();

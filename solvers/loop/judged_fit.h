@@ -33,7 +33,7 @@ struct LoopErrors {
 };
 
 // validation: of held-out blocks, or of the recordings of the study that are not for identification.
-LoopErrors ErrorsOf(const JudgedFit& model, bool by_blocks);
+LoopErrors LoopErrorsOf(const JudgedFit& model, bool by_blocks);
 
 // Squared held-out residuals of a model in each fold, of the joints of an effect, of all if none is named. Weights are
 // those of `measure`.

@@ -10,7 +10,7 @@
 #include "tests/apps/small_study.h"
 #include "tests/support/program.h"
 
-namespace idim {
+namespace idim::bad_input_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -228,4 +228,4 @@ TEST(Spoilt, TheBaseIsSound) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::bad_input_test

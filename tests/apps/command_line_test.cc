@@ -14,7 +14,7 @@
 #include "core/base/version.h"
 #include "tests/support/program.h"
 
-namespace idim {
+namespace idim::command_line_test {
 namespace {
 
 using ::testing::AllOf;
@@ -109,4 +109,4 @@ TEST_P(CommandLine, AFlagThatThereIsNotIsNamed) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::command_line_test

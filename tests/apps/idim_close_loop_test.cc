@@ -11,7 +11,7 @@
 #include "tests/support/browser.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim {
+namespace idim::idim_close_loop_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -252,4 +252,4 @@ TEST_F(IdimCloseLoop, NothingToTrust) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::idim_close_loop_test

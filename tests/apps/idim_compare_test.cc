@@ -13,7 +13,7 @@
 #include "tests/support/browser.h"
 #include "tests/support/shared_recordings.h"
 
-namespace idim {
+namespace idim::idim_compare_test {
 namespace {
 
 using testing::Dataset;
@@ -335,4 +335,4 @@ TEST_F(IdimCompare, RealUr10e) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::idim_compare_test

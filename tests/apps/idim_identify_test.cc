@@ -15,7 +15,7 @@
 #include "tests/support/program.h"
 #include "tests/support/shared_recordings.h"
 
-namespace idim {
+namespace idim::idim_identify_test {
 namespace {
 
 using testing::Dataset;
@@ -268,4 +268,4 @@ TEST(IdimIdentify, AnEffectThatCannotBeFittedIsNamed) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::idim_identify_test

@@ -10,7 +10,7 @@
 #include "tests/apps/small_study.h"
 #include "tests/support/browser.h"
 
-namespace idim {
+namespace idim::idim_validate_test {
 namespace {
 
 using ::testing::AllOf;
@@ -214,4 +214,4 @@ TEST_F(IdimValidate, AnUntrustedEstimateIsJudgedWithAWarning) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::idim_validate_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/temp_folder.h"
 
-namespace idim {
+namespace idim::file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -70,4 +70,4 @@ TEST(ReadFile, MissingAndDirectory) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::file_test

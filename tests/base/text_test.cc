@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace idim {
+namespace idim::text_test {
 namespace {
 
 TEST(ParseNumber, TakesWholeFiniteNumbersOnly) {
@@ -61,4 +61,4 @@ TEST(AlignColumns, FirstToTheLeftOthersToTheRight) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::text_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/bundle_study.h"
 
-namespace idim {
+namespace idim::bundle_data_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -158,4 +158,4 @@ TEST(BundleData, NoiseFreeSamplesFulfilTheModelAtTheTruth) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::bundle_data_test

@@ -11,7 +11,7 @@
 #include "core/base/decompositions.h"
 #include "tests/support/bundle_study.h"
 
-namespace idim {
+namespace idim::bundle_problem_test {
 namespace {
 
 using Eigen::Index;
@@ -136,4 +136,4 @@ TEST_P(Whitening, IsThatOfTheDenseMatrices) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::bundle_problem_test

@@ -13,7 +13,7 @@
 #include "core/base/decompositions.h"
 #include "tests/support/bundle_study.h"
 
-namespace idim {
+namespace idim::bundle_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -313,4 +313,4 @@ TEST(Bundle, OptionsThatMeanNothingAreInvalid) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::bundle_test

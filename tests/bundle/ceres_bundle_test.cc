@@ -12,7 +12,7 @@
 #include "core/base/decompositions.h"
 #include "tests/support/bundle_study.h"
 
-namespace idim {
+namespace idim::ceres_bundle_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -249,4 +249,4 @@ TEST(CeresBundle, OptionsThatMeanNothingAreInvalid) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::ceres_bundle_test

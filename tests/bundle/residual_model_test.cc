@@ -15,7 +15,7 @@
 #include "solvers/loop/effect_fit.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim::testing {
+namespace idim::testing::residual_model_test {
 namespace {
 
 using Eigen::Index;
@@ -133,9 +133,9 @@ TEST(ResidualModel, HoldsOutAsADenseRefitDoes) {
   ASSERT_FALSE(left.empty());
   const VectorXd& r = arm.model.residual();
   const VectorXd move = LeastSquares(all(fitted, Eigen::all), r(fitted));
-  const VectorXd rest = r(left) - all(left, Eigen::all) * move;
+  const VectorXd remainder = r(left) - all(left, Eigen::all) * move;
   VectorXd squares = VectorXd::Zero(n);
-  for (size_t k = 0; k < left.size(); ++k) squares[left[k] % n] += std::pow(rest[static_cast<Index>(k)], 2);
+  for (size_t k = 0; k < left.size(); ++k) squares[left[k] % n] += std::pow(remainder[static_cast<Index>(k)], 2);
   EXPECT_LT((held_out.squares.row(fold).transpose() - squares).cwiseAbs().maxCoeff(), 1e-5 * squares.sum());
 }
 
@@ -181,4 +181,4 @@ TEST(ResidualModel, SlowColumnsOnASlowResidualAreNotRejectedOften) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::residual_model_test

@@ -17,7 +17,7 @@
 #include "core/simulation/simulate_scenario.h"
 #include "residuals/base_parameter_residual.h"
 
-namespace idim {
+namespace idim::plausible_parameters_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -153,7 +153,7 @@ TEST(PlausibleParameters, WhatNoBodyHasIsNotReachedAndTheDistanceSaysSo) {
   EXPECT_EQ(summary.largest_distance, summary.distance.maxCoeff());
 }
 
-class Tx40Plausible : public testing::Test {
+class Tx40Plausible : public ::testing::Test {
  protected:
   Tx40Plausible() : base_(Tx40()) {
     Result<PlausibleRequest> request = ReadPlausibleRequest(kTx40 + "base_parameters.yaml", base_);
@@ -216,7 +216,7 @@ struct BadCase {
   const char* word;
 };
 
-class BadRequest : public testing::TestWithParam<BadCase> {};
+class BadRequest : public ::testing::TestWithParam<BadCase> {};
 
 TEST_P(BadRequest, IsRefusedByTheProgramInOneLineAndNothingIsWritten) {
   std::string folder_name = (fs::temp_directory_path() / "idim_plausible_XXXXXX").string();
@@ -244,18 +244,18 @@ TEST_P(BadRequest, IsRefusedByTheProgramInOneLineAndNothingIsWritten) {
 
 INSTANTIATE_TEST_SUITE_P(
     Table, BadRequest,
-    testing::Values(BadCase{"unknown_name", "ZZ1R", "ZZ1", "key 'base_parameters[1].name'", "ZZ1R"},
-                    BadCase{"sigma_zero", "standard_deviation: 0.0261", "standard_deviation: 0",
-                            "key 'base_parameters[1].standard_deviation'", "greater than 0"},
-                    BadCase{"given_twice", "{name: Fv1", "{name: ZZ1R", "key 'base_parameters[2].name'", "twice"},
-                    BadCase{"no_value", "value: 1.28, ", "", "key 'base_parameters[1].value': missing", "number"},
-                    BadCase{"unknown_key", "spread: 0.7", "spreads: 0.7", "key 'spreads'", "spread"},
-                    BadCase{"mass_negative", "mass: 7.0", "mass: -7.0", "key 'bodies[1].mass'", "greater than 0"},
-                    BadCase{"radius_zero", "[0.07, 0.07, 0.08]", "[0.07, 0, 0.08]", "key 'bodies[1].radii'",
-                            "greater than 0"},
-                    BadCase{"a_body_too_few", "  - {mass: 0.8,", "  # {mass: 0.8,", "key 'bodies'", "has 5 entries"},
-                    BadCase{"standard_name", "name: Ia1", "name: Ib1", "key 'standard_parameters[1].name'", "Ia1"}),
-    [](const testing::TestParamInfo<BadCase>& case_info) { return case_info.param.name; });
+    ::testing::Values(BadCase{"unknown_name", "ZZ1R", "ZZ1", "key 'base_parameters[1].name'", "ZZ1R"},
+                      BadCase{"sigma_zero", "standard_deviation: 0.0261", "standard_deviation: 0",
+                              "key 'base_parameters[1].standard_deviation'", "greater than 0"},
+                      BadCase{"given_twice", "{name: Fv1", "{name: ZZ1R", "key 'base_parameters[2].name'", "twice"},
+                      BadCase{"no_value", "value: 1.28, ", "", "key 'base_parameters[1].value': missing", "number"},
+                      BadCase{"unknown_key", "spread: 0.7", "spreads: 0.7", "key 'spreads'", "spread"},
+                      BadCase{"mass_negative", "mass: 7.0", "mass: -7.0", "key 'bodies[1].mass'", "greater than 0"},
+                      BadCase{"radius_zero", "[0.07, 0.07, 0.08]", "[0.07, 0, 0.08]", "key 'bodies[1].radii'",
+                              "greater than 0"},
+                      BadCase{"a_body_too_few", "  - {mass: 0.8,", "  # {mass: 0.8,", "key 'bodies'", "has 5 entries"},
+                      BadCase{"standard_name", "name: Ia1", "name: Ib1", "key 'standard_parameters[1].name'", "Ia1"}),
+    [](const ::testing::TestParamInfo<BadCase>& case_info) { return case_info.param.name; });
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::plausible_parameters_test

@@ -12,7 +12,7 @@
 #include "core/base/decompositions.h"
 #include "tests/support/random_arm.h"
 
-namespace idim {
+namespace idim::base_parameters_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -247,4 +247,4 @@ TEST(BaseParameters, Tx40HasThePapersNames) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::base_parameters_test

@@ -13,7 +13,7 @@
 #include "core/dynamics/rigid_body_dynamics.h"
 #include "tests/support/random_arm.h"
 
-namespace idim {
+namespace idim::rigid_body_derivatives_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -99,4 +99,4 @@ TEST_P(Derivatives, OfTheRegressorAreThoseOfTheRecursion) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::rigid_body_derivatives_test

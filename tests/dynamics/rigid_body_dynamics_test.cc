@@ -9,7 +9,7 @@
 
 #include "tests/support/random_arm.h"
 
-namespace idim {
+namespace idim::rigid_body_dynamics_test {
 namespace {
 
 using Eigen::VectorXd;
@@ -115,4 +115,4 @@ TEST(TwoLinkArm, TextbookClosedForm) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::rigid_body_dynamics_test

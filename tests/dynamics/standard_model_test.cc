@@ -4,7 +4,7 @@
 
 #include "tests/support/random_arm.h"
 
-namespace idim {
+namespace idim::standard_model_test {
 namespace {
 
 using Eigen::VectorXd;
@@ -88,4 +88,4 @@ TEST(StandardModel, ExpectedSignIsTheMeanOfNoisySigns) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::standard_model_test

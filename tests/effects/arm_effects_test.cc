@@ -11,7 +11,7 @@
 #include "core/base/decompositions.h"
 #include "tests/effects/effect_arm.h"
 
-namespace idim::testing {
+namespace idim::testing::arm_effects_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -270,4 +270,4 @@ TEST(ArmEffectsTest, DriveInertiaStaysAtTheMotor) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::arm_effects_test

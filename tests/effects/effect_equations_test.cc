@@ -13,7 +13,7 @@
 #include "core/simulation/scenario.h"
 #include "tests/effects/effect_arm.h"
 
-namespace idim {
+namespace idim::effect_equations_test {
 namespace {
 
 using ::testing::ElementsAreArray;
@@ -138,4 +138,4 @@ TEST(EffectEquations, ReadmeListsAllThatAStudyOrAScenarioMayDeclare) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::effect_equations_test

@@ -22,7 +22,7 @@
 #include "core/effects/effect.h"
 #include "tests/support/temp_folder.h"
 
-namespace idim {
+namespace idim::effect_sources_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -338,4 +338,4 @@ INSTANTIATE_TEST_SUITE_P(
                       PlantedId{"tests/a_test.cc", "f(\"toy_effect\");", false}));
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::effect_sources_test

@@ -7,7 +7,7 @@
 
 #include "tests/effects/effect_arm.h"
 
-namespace idim::testing {
+namespace idim::testing::effects_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -251,19 +251,19 @@ TEST(EffectsTest, PreslidingDoesNotForgetAtRestBecauseOfEncoderNoise) {
   const double xs = 1e-3, sigma = 1e-6 * std::sqrt(M_PI) / 2.0;
   std::mt19937_64 generator(1);
   std::normal_distribution<double> normal(0.0, sigma);
-  const int slide = 100, rest = 20000;
+  const int slide = 100, pause = 20000;
   const auto states = std::make_shared<JointStates>();
   EffectMotion motion;
   const Robot robot = Tx40();
   motion.robot = &robot;
   motion.states = states;
-  states->t = VectorXd::LinSpaced(slide + rest, 0.0, 1.0);
-  states->q = states->dq = MatrixXd::Zero(slide + rest, 6);
+  states->t = VectorXd::LinSpaced(slide + pause, 0.0, 1.0);
+  states->q = states->dq = MatrixXd::Zero(slide + pause, 6);
   motion.velocity_sigma = VectorXd::Zero(6);
-  for (int i = 0; i < slide + rest; ++i) states->q(i, 0) = 1e-4 * std::min(i, slide) + normal(generator);
-  const double worn = ColumnOf("presliding", motion, {0}, {xs})(slide + rest - 1, 0);
+  for (int i = 0; i < slide + pause; ++i) states->q(i, 0) = 1e-4 * std::min(i, slide) + normal(generator);
+  const double worn = ColumnOf("presliding", motion, {0}, {xs})(slide + pause - 1, 0);
   motion.position_sigma = VectorXd::Constant(6, sigma);
-  const double kept = ColumnOf("presliding", motion, {0}, {xs})(slide + rest - 1, 0);
+  const double kept = ColumnOf("presliding", motion, {0}, {xs})(slide + pause - 1, 0);
   states->dq(0, 0) = 1.0;  // a start in motion is remembered until a slide of a few x_s
   EXPECT_NEAR(ColumnOf("presliding", motion, {0}, {1e3})(0, 0), 1.0, 1e-6);
   states->dq(0, 0) = -1.0;
@@ -325,4 +325,4 @@ TEST(EffectsTest, UnitsOfAPrismaticJoint) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::effects_test

@@ -10,7 +10,7 @@
 #include "core/estimate/series.h"
 #include "tests/support/temp_folder.h"
 
-namespace idim {
+namespace idim::estimate_test {
 namespace {
 
 using Eigen::VectorXd;
@@ -212,4 +212,4 @@ TEST(EstimateToText, NamesItsEstimatorAndItsDoubts) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::estimate_test

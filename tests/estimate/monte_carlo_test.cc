@@ -15,7 +15,7 @@
 #include "apps/pages/monte_carlo_report.h"
 #include "core/simulation/random.h"
 
-namespace idim {
+namespace idim::monte_carlo_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -57,7 +57,7 @@ TEST(MonteCarlo, StatisticsByHand) {
   doubtful.status = Status::Untrusted("weak");
   std::vector<RunErrors> runs;
   for (const Estimate& e : {One(11.0, 1.0, 1.1), failed, One(9.0, 2.0, 1.0), doubtful}) {
-    runs.push_back(ErrorsOf(truth, e));
+    runs.push_back(RunErrorsOf(truth, e));
   }
   const EstimatorStatistics s = Accumulate("wls", truth, runs);
   EXPECT_EQ(s.estimator, "wls");
@@ -94,7 +94,7 @@ TEST(MonteCarlo, NeesUsesCorrelations) {
   Eigen::Matrix2d covariance;
   covariance << 4.0, 1.0, 1.0, 2.0;
   const Estimate e = With({Of("g1", 7.0, 2.0, 4.0), Of("A", 0.0, std::sqrt(2.0), 3.0)}, covariance);
-  RunErrors run = ErrorsOf(truth, e);
+  RunErrors run = RunErrorsOf(truth, e);
   EXPECT_NEAR(run.nees, 8.0 / 7.0 / 2.0, 1e-12);
   EXPECT_NEAR(run.nees_gains, 1.0, 1e-12);
 
@@ -103,10 +103,10 @@ TEST(MonteCarlo, NeesUsesCorrelations) {
   const Eigen::Vector2d unit(1.0, tiny);
   const Estimate scaled = With({Of("g1", 7.0, 2.0, 4.0), Of("A", 0.0, tiny * std::sqrt(2.0), 3.0)},
                                unit.asDiagonal() * covariance * unit.asDiagonal());
-  run = ErrorsOf({{Named("g1"), 5.0}, {Named("A"), -tiny}}, scaled);
+  run = RunErrorsOf({{Named("g1"), 5.0}, {Named("A"), -tiny}}, scaled);
   EXPECT_NEAR(run.nees, 8.0 / 7.0 / 2.0, 1e-9);
   covariance << 4.0, 4.0, 4.0, 4.0;
-  run = ErrorsOf(truth, With(e.parameters, covariance));
+  run = RunErrorsOf(truth, With(e.parameters, covariance));
   EXPECT_EQ(run.nees, -1.0);
   EXPECT_NEAR(run.nees_gains, 1.0, 1e-12);
 }
@@ -116,14 +116,14 @@ TEST(MonteCarlo, ParametersThatAreNotThere) {
   const std::vector<TrueParameter> truth = {{Named("A"), 10.0}, {Named("B"), 0.0}};
   const double inf = std::numeric_limits<double>::infinity();
   const EstimatorStatistics s =
-      Accumulate("ls", truth, {ErrorsOf(truth, One(11.0, 1.0, 2.0)), ErrorsOf(truth, One(inf, 1.0, 2.0))});
+      Accumulate("ls", truth, {RunErrorsOf(truth, One(11.0, 1.0, 2.0)), RunErrorsOf(truth, One(inf, 1.0, 2.0))});
   EXPECT_EQ(s.without_numbers, 1);
   EXPECT_EQ(s.parameters[0].runs, 1);
   EXPECT_NEAR(s.parameters[0].bias, 1.0, 1e-12);
   EXPECT_TRUE(std::isnan(s.parameters[0].standard_deviation)) << "one run has no spread";
   EXPECT_EQ(s.parameters[1].runs, 0);
   EXPECT_TRUE(std::isnan(s.parameters[1].bias));
-  EXPECT_DEATH(ErrorsOf({{Named("B"), 0.0}}, One(11.0, 1.0, 2.0)), "no truth for A");
+  EXPECT_DEATH(RunErrorsOf({{Named("B"), 0.0}}, One(11.0, 1.0, 2.0)), "no truth for A");
 }
 
 // 2000 draws of 5 correlated normal numbers about the truth, reported with their true covariance: mean NEES is
@@ -150,7 +150,7 @@ TEST(MonteCarlo, ExactNormalDrawsAreFoundExact) {
       const double sigma = std::sqrt(covariance(k, k));
       parameters.push_back(Of(truth[k].parameter.name, truth[k].value + error[k], sigma, 1.959964 * sigma));
     }
-    runs.push_back(ErrorsOf(truth, With(parameters, covariance)));
+    runs.push_back(RunErrorsOf(truth, With(parameters, covariance)));
   }
   const EstimatorStatistics s = Accumulate("wls", truth, runs);
   EXPECT_NEAR(s.nees.mean, 1.0, 4.5 * std::sqrt(2.0 / (kRuns * kSize)));
@@ -194,11 +194,11 @@ MonteCarlo Example() {
   const Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
   std::vector<RunErrors> good, none(3);
   for (const double e : {0.5, -0.1, 0.2}) {
-    good.push_back(ErrorsOf(truth, With({Of("g1", -2.0 + e, 1.0, 1.96), Of("A", 10.0 + e, 1.0, 1.96)}, covariance)));
+    good.push_back(RunErrorsOf(truth, With({Of("g1", -2.0 + e, 1.0, 1.96), Of("A", 10.0 + e, 1.0, 1.96)}, covariance)));
   }
   Estimate failed;
   failed.status = Status::Untrusted("degenerate");
-  for (RunErrors& run : none) run = ErrorsOf(truth, failed);
+  for (RunErrors& run : none) run = RunErrorsOf(truth, failed);
   MonteCarlo m;
   m.runs = 3;
   m.seed = 7;
@@ -274,4 +274,4 @@ TEST(MonteCarlo, TextAndSectionsSayWhatWasFound) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::monte_carlo_test

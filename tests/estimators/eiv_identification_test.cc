@@ -11,7 +11,7 @@
 #include "solvers/estimators/estimators.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim {
+namespace idim::eiv_identification_test {
 namespace {
 
 using ::testing::AllOf;
@@ -181,4 +181,4 @@ TEST(EivIdentification, ALossIsRefusedWhereThereIsNone) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::eiv_identification_test

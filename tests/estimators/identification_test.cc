@@ -15,7 +15,7 @@
 #include "tests/support/edit_data.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim {
+namespace idim::identification_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -331,4 +331,4 @@ TEST_F(IdentificationTest, EstimatorsByName) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::identification_test

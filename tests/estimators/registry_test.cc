@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace idim {
+namespace idim::registry_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -29,4 +29,4 @@ TEST(EstimatorRegistry, FindsByNameAndMode) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::registry_test

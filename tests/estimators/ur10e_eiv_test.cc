@@ -14,7 +14,7 @@
 #include "solvers/linear/gain_identification.h"
 #include "tests/support/shared_recordings.h"
 
-namespace idim {
+namespace idim::ur10e_eiv_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -81,14 +81,14 @@ TEST(Ur10eEiv, SamplesAtRestAndAtReversalDoNoHarm) {
   ASSERT_TRUE(all.IsSolutionUsable()) << all.status.message();
   Print("all samples", all.values, all.robust_covariance);
   const auto without = [&](const char* what, const std::function<bool(const VectorXd& speed)>& drop) {
-    BundleData rest = *data;
+    BundleData fewer = *data;
     std::vector<BundleSample> kept;
     for (const BundleSample& sample : data->samples()) {
       if (!drop(sample.state.segment(6, 6).cwiseAbs())) kept.push_back(sample);
     }
-    rest.SetSamples(kept);
+    fewer.SetSamples(kept);
     EXPECT_LT(kept.size(), 0.95 * data->samples().size()) << "there are such samples";
-    const BundleSummary summary = SolveBundle(prepared.base(), rest, start);
+    const BundleSummary summary = SolveBundle(prepared.base(), fewer, start);
     ASSERT_TRUE(summary.IsSolutionUsable()) << summary.status.message();
     Print(what, summary.values, summary.robust_covariance);
     for (int j = 0; j < 6; ++j) {
@@ -101,4 +101,4 @@ TEST(Ur10eEiv, SamplesAtRestAndAtReversalDoNoHarm) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::ur10e_eiv_test

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace idim {
+namespace idim::include_direction_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -265,4 +265,4 @@ INSTANTIATE_TEST_SUITE_P(Rooms, PlantedViolationTest,
                                            Planted{"core/robot/x.h", "#include \"core/attic/b.h\""}));
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::include_direction_test

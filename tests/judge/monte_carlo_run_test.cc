@@ -13,7 +13,7 @@
 #include "tests/support/edit_data.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim {
+namespace idim::monte_carlo_run_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -216,4 +216,4 @@ TEST_F(MonteCarloRun, OptionsAreChecked) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::monte_carlo_run_test

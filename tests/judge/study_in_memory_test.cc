@@ -12,7 +12,7 @@
 #include "solvers/idim.h"
 #include "tests/support/pendulum_study.h"
 
-namespace idim {
+namespace idim::study_in_memory_test {
 namespace {
 
 using ::testing::AllOf;
@@ -191,4 +191,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::study_in_memory_test

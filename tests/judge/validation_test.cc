@@ -12,7 +12,7 @@
 #include "tests/support/edit_data.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim {
+namespace idim::validation_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -61,7 +61,7 @@ TEST_F(ValidationTest, ParametersAreFoundByName) {
   const PreparedStudy prepared = simulated_.Prepare();
   Reference truth = Truth(prepared);
   const VectorXd chi = prepared.base().projection() * simulated_.scenario.chi;
-  Result<ArmParameters> arm = ParametersOf(prepared, truth);
+  Result<ArmParameters> arm = ArmParametersOf(prepared, truth);
   ASSERT_TRUE(arm.ok()) << arm.status().message();
   EXPECT_EQ(arm->gains, simulated_.scenario.gains);
   EXPECT_EQ(arm->chi, chi);
@@ -71,7 +71,7 @@ TEST_F(ValidationTest, ParametersAreFoundByName) {
   // Not essential: zero. The weighed mass is the study's, whatever the estimate says.
   Erase("Fv2", &truth), Erase("MX4", &truth);
   for (auto& entry : truth.parameters) entry.value *= entry.name == "M4" ? 2.0 : 1.0;
-  arm = ParametersOf(prepared, truth);
+  arm = ArmParametersOf(prepared, truth);
   ASSERT_TRUE(arm.ok());
   for (int k = 0; k < prepared.base().size(); ++k) {
     EXPECT_EQ(arm->chi[k], prepared.base().parameters()[k].name == "Fv2" ? 0.0 : chi[k]);
@@ -81,7 +81,7 @@ TEST_F(ValidationTest, ParametersAreFoundByName) {
   EXPECT_EQ(arm->payloads[0][kMY], simulated_.scenario.payloads[0].inertial[kMY]);
 
   // Without gains: the study's.
-  arm = ParametersOf(prepared, Truth(prepared, false));
+  arm = ArmParametersOf(prepared, Truth(prepared, false));
   ASSERT_TRUE(arm.ok());
   EXPECT_EQ(arm->gains, prepared.model.gains);
 }
@@ -90,27 +90,27 @@ TEST_F(ValidationTest, WhatDoesNotFitTheStudyIsRefusedByName) {
   const PreparedStudy prepared = simulated_.Prepare();
   Reference partial = Truth(prepared);
   Erase("g2", &partial);
-  EXPECT_THAT(ParametersOf(prepared, partial).status().message(),
+  EXPECT_THAT(ArmParametersOf(prepared, partial).status().message(),
               AllOf(HasSubstr("'truth'"), HasSubstr("2 drive gains"), HasSubstr("3 or none")));
   Reference foreign = Truth(prepared);
   foreign.parameters.push_back({"Fv33", 1.0, 0.0});
-  EXPECT_THAT(ParametersOf(prepared, foreign).status().message(), AllOf(HasSubstr("'Fv33'"), HasSubstr("'Fv3'")));
+  EXPECT_THAT(ArmParametersOf(prepared, foreign).status().message(), AllOf(HasSubstr("'Fv33'"), HasSubstr("'Fv3'")));
   Reference other = Truth(prepared);
   other.robot = "four";
-  EXPECT_THAT(ParametersOf(prepared, other).status().message(), AllOf(HasSubstr("'four'"), HasSubstr("'three'")));
+  EXPECT_THAT(ArmParametersOf(prepared, other).status().message(), AllOf(HasSubstr("'four'"), HasSubstr("'three'")));
   other.robot = "three";
-  EXPECT_TRUE(ParametersOf(prepared, other).ok());
+  EXPECT_TRUE(ArmParametersOf(prepared, other).ok());
   Reference gains_only;
   gains_only.name = "gains";
   gains_only.parameters = {{"g1", 1, 0}, {"g2", 1, 0}, {"g3", 1, 0}};
-  EXPECT_THAT(ParametersOf(prepared, gains_only).status().message(), HasSubstr("none of the base parameters"));
+  EXPECT_THAT(ArmParametersOf(prepared, gains_only).status().message(), HasSubstr("none of the base parameters"));
 
   PreparedStudy identify = simulated_.Prepare();
   identify.model.gains_mode = GainsMode::kIdentify;
-  const Status neither = ParametersOf(identify, Truth(prepared, false)).status();
+  const Status neither = ArmParametersOf(identify, Truth(prepared, false)).status();
   EXPECT_EQ(neither.code(), StatusCode::kBadInput);
   EXPECT_THAT(neither.message(), AllOf(HasSubstr("no drive gains"), HasSubstr("gains.mode")));
-  EXPECT_TRUE(ParametersOf(identify, Truth(prepared)).ok());
+  EXPECT_TRUE(ArmParametersOf(identify, Truth(prepared)).ok());
 
   PreparedStudy none = simulated_.Prepare();
   testing::KeepRecordings({0, 1}, &none);
@@ -130,15 +130,15 @@ TEST_F(ValidationTest, PayloadParametersBelongToTheirPayload) {
   const int big = prepared.model.payloads[0].name == "big" ? 0 : 1;
   const InertialVector truth = simulated_.scenario.payloads[0].inertial;
   for (const Reference& reference : {plain, named}) {
-    const Result<ArmParameters> arm = ParametersOf(prepared, reference);
+    const Result<ArmParameters> arm = ArmParametersOf(prepared, reference);
     ASSERT_TRUE(arm.ok()) << arm.status().message();
     EXPECT_EQ(arm->payloads[big], truth);
     EXPECT_EQ(arm->payloads[1 - big], InertialVector(InertialVector::Zero())) << "nothing is known of the other";
   }
   prepared.model.roles.push_back({Use::kIdentification, 1 - big});
   prepared.model.columns = std::make_shared<const EffectColumns>(EffectColumns{{}, {{}, {}, {}, {}}});
-  EXPECT_EQ((*ParametersOf(prepared, plain)).payloads[big], InertialVector(InertialVector::Zero()));
-  EXPECT_EQ((*ParametersOf(prepared, named)).payloads[big], truth);
+  EXPECT_EQ((*ArmParametersOf(prepared, plain)).payloads[big], InertialVector(InertialVector::Zero()));
+  EXPECT_EQ((*ArmParametersOf(prepared, named)).payloads[big], truth);
 }
 
 TEST_F(ValidationTest, TheTruthLeavesNoiseAndWeighsThePayload) {
@@ -245,4 +245,4 @@ TEST_F(ValidationTest, AnUntrustedEstimateIsJudgedWithAWarning) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::validation_test

@@ -10,7 +10,7 @@
 #include "solvers/linear/gain_identification.h"
 #include "tests/support/gain_study.h"
 
-namespace idim {
+namespace idim::exogeneity_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -212,4 +212,4 @@ TEST(LaggedInstruments, AllColumnsMayBeSuspected) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::exogeneity_test

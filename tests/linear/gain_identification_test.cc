@@ -9,7 +9,7 @@
 #include "tests/support/edit_data.h"
 #include "tests/support/gain_study.h"
 
-namespace idim {
+namespace idim::gain_identification_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -349,4 +349,4 @@ TEST(GainOptions, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::gain_identification_test

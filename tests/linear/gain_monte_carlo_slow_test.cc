@@ -14,7 +14,7 @@
 #include "tests/support/draws.h"
 #include "tests/support/gain_study.h"
 
-namespace idim {
+namespace idim::gain_monte_carlo_slow_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -192,4 +192,4 @@ TEST(GainMonteCarlo, NoiseOnSignalsOnly) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::gain_monte_carlo_slow_test

@@ -9,7 +9,7 @@
 #include "solvers/linear/signal_noise.h"
 #include "tests/support/gain_study.h"
 
-namespace idim {
+namespace idim::gain_verdict_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -90,9 +90,9 @@ TEST(GainVerdict, NumbersAreThoseOfTheDefinitions) {
     others << w.leftCols(j), w.middleCols(j + 1, c - 2 - j);
     const VectorXd signal = left(others, w.col(j)), known = left(others, w.col(c - 1));
     EXPECT_NEAR(v.independent, signal.norm() / w.col(j).norm(), 1e-8);
-    const VectorXd rest = signal - known * known.dot(signal) / known.squaredNorm();
-    EXPECT_NEAR(v.unexplained, rest.norm() / w.col(j).norm(), 1e-8);
-    EXPECT_NEAR(v.known_share, 1.0 - rest.squaredNorm() / signal.squaredNorm(), 1e-8);
+    const VectorXd remainder = signal - known * known.dot(signal) / known.squaredNorm();
+    EXPECT_NEAR(v.unexplained, remainder.norm() / w.col(j).norm(), 1e-8);
+    EXPECT_NEAR(v.known_share, 1.0 - remainder.squaredNorm() / signal.squaredNorm(), 1e-8);
     EXPECT_NEAR(v.least_squares, -signal.dot(known) / signal.squaredNorm(), 1e-7);
     EXPECT_NEAR(v.reliability, 1.0 - v.noise * v.noise / (v.independent * v.independent), 1e-10);
     // All gains' signals scatter by 20 % of their rms a recorded sample; the decimator leaves the sum of squares of
@@ -132,4 +132,4 @@ TEST(SignalNoise, MotorSideNoiseGoesThroughTheTransmission) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::gain_verdict_test

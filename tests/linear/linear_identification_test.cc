@@ -8,7 +8,7 @@
 
 #include "core/base/decompositions.h"
 
-namespace idim {
+namespace idim::linear_identification_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -65,8 +65,8 @@ TEST(LinearIdentification, FormulasOfThePaper) {
       // The weight of a joint: its own LS, which for joint 2 has rank 3.
       const VectorXd yj = data.w[j] * data.truth + *errors[j];
       const MatrixXd own = j == 0 ? data.w[0] : MatrixXd(data.w[1].rightCols(3));
-      const VectorXd rest = yj - own * (own.transpose() * own).ldlt().solve(own.transpose() * yj);
-      const double sigma = rest.norm() / std::sqrt(200.0 - double(own.cols()));
+      const VectorXd remainder = yj - own * (own.transpose() * own).ldlt().solve(own.transpose() * yj);
+      const double sigma = remainder.norm() / std::sqrt(200.0 - double(own.cols()));
       EXPECT_NEAR(summary.joint_sigma[j], sigma, 1e-10 * sigma);
       w.middleRows(200 * j, 200) = data.w[j] / (weighted ? sigma : 1.0);
       y.segment(200 * j, 200) = yj / (weighted ? sigma : 1.0);
@@ -181,4 +181,4 @@ TEST(LinearOptions, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::linear_identification_test

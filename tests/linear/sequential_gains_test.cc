@@ -8,7 +8,7 @@
 
 #include "tests/support/gain_study.h"
 
-namespace idim {
+namespace idim::sequential_gains_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -84,4 +84,4 @@ TEST(SequentialGains, SaysWhichGainItCannotFind) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::sequential_gains_test

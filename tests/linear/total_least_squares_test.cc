@@ -8,7 +8,7 @@
 #include "core/base/decompositions.h"
 #include "core/statistics/triangular_factor.h"
 
-namespace idim {
+namespace idim::total_least_squares_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -202,4 +202,4 @@ TEST(TotalLeastSquaresOptions, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::total_least_squares_test

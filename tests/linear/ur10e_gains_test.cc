@@ -12,7 +12,7 @@
 #include "solvers/linear/sequential_gains.h"
 #include "tests/support/shared_recordings.h"
 
-namespace idim {
+namespace idim::ur10e_gains_test {
 namespace {
 
 using Eigen::VectorXd;
@@ -81,4 +81,4 @@ TEST(Ur10eGains, EveryEstimatorSaysHowFarToTrustIt) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::ur10e_gains_test

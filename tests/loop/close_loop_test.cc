@@ -10,7 +10,7 @@
 #include "core/model/active_effects.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim::testing {
+namespace idim::testing::close_loop_test {
 namespace {
 
 PreparedStudy StudyWith(const std::string& effects) {
@@ -133,4 +133,4 @@ TEST(LoopOptions, NameWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::close_loop_test

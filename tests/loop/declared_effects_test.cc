@@ -18,7 +18,7 @@
 #include "solvers/loop/effect_scan.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim::testing {
+namespace idim::testing::declared_effects_test {
 namespace {
 
 using ::testing::AllOf;
@@ -321,4 +321,4 @@ TEST(DeclaredEffects, EffectsOfAnEstimateThatDoNotFitAreRefused) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::declared_effects_test

@@ -8,7 +8,7 @@
 #include "solvers/bundle/bundle_data.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim::testing {
+namespace idim::testing::effect_fit_test {
 namespace {
 
 EffectFit Declared(const std::string& effects) {
@@ -86,7 +86,7 @@ TEST(EffectFit, NamesAnEffectOfTheWrongSign) {
   EXPECT_TRUE(OfWrongSign(declared).empty());
 }
 
-// Columns set by WithEffectsOf() while fitting are those of a pass over the recordings.
+// Columns set by WithEffectColumnsOf() while fitting are those of a pass over the recordings.
 TEST(EffectFit, HasTheDataOfItsStudy) {
   const EffectFit declared = Declared("  - {id: torque_ripple, joints: [3], amplitude: 0.5, order: 11, phase: 0.0}\n");
   const Result<EffectFit> with =
@@ -110,4 +110,4 @@ TEST(EffectFit, HasTheDataOfItsStudy) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::effect_fit_test

@@ -5,13 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 #include <string>
 
 #include "core/model/active_effects.h"
 #include "solvers/loop/effect_fit.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim::testing {
+namespace idim::testing::effect_scan_test {
 namespace {
 
 struct Scanned {
@@ -50,6 +51,36 @@ TEST(EffectScan, RanksTheTrueEffectFirstAtItsShape) {
   EXPECT_NEAR(best.held_out_gain.sum(), before - after, 1e-9 * before);
 }
 
+// Of effects, of the places of one, and of its shapes: at one joint alone fewer were tried, and the same finding
+// is less likely to be chance.
+TEST(EffectScan, PValueIsOfAllThatWasTried) {
+  const std::string ripple = "  - {id: torque_ripple, joints: [3], amplitude: 0.02, order: 11, phase: 0.4}\n";
+  ScanOptions options;
+  options.significance = 1.0;
+  const Scanned everywhere = ScanArm(ripple, options);
+  options.only_joints = {2};
+  const Scanned here = ScanArm(ripple, options);
+  const auto find = [](const Scanned& arm) {
+    for (const EffectCandidate& c : arm.scan.candidates) {
+      if (EffectTitle(c.effect) == "torque_ripple on joint 3") return c;
+    }
+    throw std::runtime_error("no ripple");
+  };
+  const EffectCandidate of_all = find(everywhere), alone = find(here);
+  EXPECT_EQ(of_all.score.p_value, alone.score.p_value);
+  ASSERT_GT(alone.score.p_value, 1e-200);
+  ASSERT_LT(of_all.p_value, 0.01);
+  std::set<const Effect*> effects, effects_here;
+  for (const EffectCandidate& c : everywhere.scan.candidates) effects.insert(c.effect.effect);
+  for (const EffectCandidate& c : here.scan.candidates) effects_here.insert(c.effect.effect);
+  const auto tries = [](const EffectCandidate& c) { return c.p_value / c.score.p_value; };
+  const std::vector<ShapeParameter> shapes =
+      of_all.effect.effect->Shapes(MotionsOf(here.fit.prepared, here.fit.Arm()), of_all.effect.joints);
+  const auto grid = static_cast<double>(shapes[0].grid.size()), count = static_cast<double>(effects.size());
+  EXPECT_GE(tries(of_all), 3.0 * count * grid * (1.0 - 1e-9));
+  EXPECT_NEAR(tries(of_all) / tries(alone), 3.0 * count / static_cast<double>(effects_here.size()), 1e-9);
+}
+
 TEST(EffectScan, RefusesFrictionThatWouldDriveItsJoint) {
   const auto titles = [](const Scanned& arm) {
     std::vector<std::string> all;
@@ -74,4 +105,4 @@ TEST(EffectScan, LooksAtOnePlaceAloneWhereAsked) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::effect_scan_test

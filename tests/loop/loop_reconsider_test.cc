@@ -9,7 +9,7 @@
 #include "solvers/loop/loop_search.h"
 #include "tests/support/scripted_model.h"
 
-namespace idim::testing {
+namespace idim::testing::loop_reconsider_test {
 namespace {
 
 using ::testing::Contains;
@@ -287,4 +287,4 @@ TEST(LoopReconsiders, ReleasesShapesThatWereHeld) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::loop_reconsider_test

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <vector>
 
-namespace idim {
+namespace idim::loop_rules_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -232,4 +232,4 @@ TEST(LoopRulesDeathTest, TablesOfOneSize) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::loop_rules_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/scripted_model.h"
 
-namespace idim::testing {
+namespace idim::testing::loop_search_test {
 namespace {
 
 using ::testing::Contains;
@@ -226,4 +226,4 @@ TEST(LoopSearch, SaysWhatItDoes) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::loop_search_test

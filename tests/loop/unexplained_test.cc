@@ -13,7 +13,7 @@
 #include "tests/support/edit_data.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim::testing {
+namespace idim::testing::unexplained_test {
 namespace {
 
 PreparedStudy Arm(double strength) {
@@ -48,4 +48,4 @@ TEST(Unexplained, IsSilentWhereTheModelIsTrue) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::unexplained_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/random_arm.h"
 
-namespace idim {
+namespace idim::observation_stream_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -78,4 +78,4 @@ TEST_P(Clocks, EqualsDenseColumnsThroughTheDecimator) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::observation_stream_test

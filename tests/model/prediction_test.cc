@@ -6,7 +6,7 @@
 
 #include "tests/support/simulated_study.h"
 
-namespace idim {
+namespace idim::prediction_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -144,4 +144,4 @@ TEST(FitOf, IsWhatAHandComputes) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::prediction_test

@@ -14,7 +14,7 @@
 #include "core/model/sample_stream.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim {
+namespace idim::unknowns_test {
 namespace {
 
 using Eigen::VectorXd;
@@ -168,4 +168,4 @@ TEST_F(UnknownsTest, StreamedSamplesTimesParametersAreThePredictedTorque) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::unknowns_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/simulated_study.h"
 
-namespace idim::testing {
+namespace idim::testing::velocity_at_rest_test {
 namespace {
 
 // Points with half a second of rest between them, an encoder of 1e-4 rad.
@@ -44,4 +44,4 @@ TEST(VelocityAtRest, IsZeroWhereAJointStandsAndUntouchedWhereItMoves) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::velocity_at_rest_test

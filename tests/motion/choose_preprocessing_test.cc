@@ -9,7 +9,7 @@
 #include "tests/motion/real_recordings.h"
 #include "tests/signal/signals.h"
 
-namespace idim {
+namespace idim::choose_preprocessing_test {
 namespace {
 
 Preprocessing Choose(const std::vector<const Recording*>& recordings, const PreprocessingRequest& request = {}) {
@@ -156,4 +156,4 @@ TEST(WelchSpectrum, IntegratesToTheVarianceAndFindsALine) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::choose_preprocessing_test

@@ -6,7 +6,7 @@
 
 #include "tests/signal/signals.h"
 
-namespace idim {
+namespace idim::encoder_noise_test {
 namespace {
 
 // Tolerances: the median of B block variances with nu degrees of freedom has the relative standard deviation
@@ -139,4 +139,4 @@ TEST(QuantizationStep, IsFoundOnlyWhereThereIsOne) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::encoder_noise_test

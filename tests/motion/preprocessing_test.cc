@@ -7,7 +7,7 @@
 #include "tests/motion/real_recordings.h"
 #include "tests/signal/signals.h"
 
-namespace idim {
+namespace idim::preprocessing_test {
 namespace {
 
 Preprocessing Make(double cutoff, int decimation) {
@@ -172,4 +172,4 @@ TEST(MakeDecimator, KeepsTheReferenceOutputsOfTheTx40) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::preprocessing_test

@@ -8,7 +8,7 @@
 
 #include "tests/signal/signals.h"
 
-namespace idim {
+namespace idim::state_covariance_test {
 namespace {
 
 struct Chain {
@@ -162,4 +162,4 @@ TEST(StateCovariance, MonteCarloOnAJitteringClock) { MonteCarlo(Make(Jittering()
 TEST(StateCovariance, MonteCarloWithoutDecimation) { MonteCarlo(Make(Uniform(), 50.0, 1), 4); }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::state_covariance_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace idim {
+namespace idim::comparison_report_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -121,4 +121,4 @@ TEST(RenderComparisonReport, ParametersAreRelativeToTheEstimateToBelieve) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::comparison_report_test

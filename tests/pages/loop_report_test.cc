@@ -12,7 +12,7 @@
 #include "solvers/loop/effect_curves.h"
 #include "tests/support/simulated_study.h"
 
-namespace idim {
+namespace idim::loop_report_test {
 namespace {
 
 using Eigen::Index;
@@ -310,4 +310,4 @@ TEST_F(LoopReport, PageHasEveryPart) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::loop_report_test

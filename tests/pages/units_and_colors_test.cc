@@ -15,7 +15,7 @@
 #include "apps/pages/validation_report.h"
 #include "core/estimate/estimate.h"
 
-namespace idim {
+namespace idim::units_and_colors_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -144,4 +144,4 @@ TEST(Pages, EstimatorsSideBySideKeepColorsOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::units_and_colors_test

@@ -11,14 +11,14 @@
 #include "tests/support/browser.h"
 #include "tests/support/temp_folder.h"
 
-namespace idim {
+namespace idim::paper_study_slow_test {
 namespace {
 
 const std::string kFolder = std::string(IDIM_SOURCE_DIR) + "/datasets/paper_study/";
 
 Result<PaperStudy> Run() {
   const Result<Scenario> scenario = ReadScenario(kFolder + "scenario.yaml", EffectEquations());
-  if (!scenario.ok()) return scenario.status();
+  IDIM_RETURN_IF_ERROR(scenario);
   return RunPaperStudy(*scenario, kPaperRatio);
 }
 
@@ -173,4 +173,4 @@ TEST(PaperStudy, TableIIIsPrintedWithItsHalvesExchanged) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::paper_study_slow_test

@@ -7,7 +7,7 @@
 #include "core/robot/robot_reader.h"
 #include "tests/recording/study_fixture.h"
 
-namespace idim {
+namespace idim::corrupted_input_test {
 namespace {
 
 // Every prefix of a text, and 500 copies with one to three bytes replaced by ones that mean something to a parser.
@@ -124,4 +124,4 @@ TEST(CorruptedInput, Urdf) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::corrupted_input_test

@@ -14,7 +14,7 @@
 #include "tests/support/shared_recordings.h"
 #include "tests/support/temp_folder.h"
 
-namespace idim {
+namespace idim::public_recordings_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -207,4 +207,4 @@ TEST(FetchRecordings, SaysWhenTheSourceIsNotThere) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::public_recordings_test

@@ -5,7 +5,7 @@
 #include "core/recording/study.h"
 #include "tests/recording/study_fixture.h"
 
-namespace idim {
+namespace idim::recording_reader_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -352,4 +352,4 @@ TEST(ReadRecording, DirectoryInPlaceOfAFile) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::recording_reader_test

@@ -45,7 +45,7 @@ class StudyFolder {
   // The first recording of the study; the first problem on the way there.
   Result<Recording> ReadFirst() const {
     const Result<Study> study = ReadStudy(study_path_);
-    if (!study.ok()) return study.status();
+    IDIM_RETURN_IF_ERROR(study);
     return ReadRecording(*study, study->recordings[0]);
   }
 

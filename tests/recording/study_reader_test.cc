@@ -6,7 +6,7 @@
 #include "core/recording/study.h"
 #include "tests/recording/study_fixture.h"
 
-namespace idim {
+namespace idim::study_reader_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -350,4 +350,4 @@ TEST(ReadStudy, ABadRobotIsNamedByItsOwnFile) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::study_reader_test

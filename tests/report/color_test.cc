@@ -12,7 +12,7 @@
 
 #include "core/report/report.h"
 
-namespace idim {
+namespace idim::color_test {
 namespace {
 
 // CIELAB of "#rrggbb" in sRGB, white point D65 (IEC 61966-2-1, CIE 15).
@@ -73,4 +73,4 @@ TEST(ReportDeathTest, TwoSeriesInOneColorAreABug) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::color_test

@@ -13,7 +13,7 @@
 #include "tests/report/demo_report.h"
 #include "tests/support/browser.h"
 
-namespace idim::testing {
+namespace idim::testing::report_browser_test {
 namespace {
 
 class ReportBrowserTest : public ::testing::Test {
@@ -177,4 +177,4 @@ TEST_F(ReportBrowserTest, RefusesToLoadFromElsewhere) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::report_browser_test

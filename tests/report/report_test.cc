@@ -14,7 +14,7 @@
 
 #include "tests/report/demo_report.h"
 
-namespace idim::testing {
+namespace idim::testing::report_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -286,4 +286,4 @@ TEST(ReportDeathTest, LengthsThatDisagreeAreABug) {
 }
 
 }  // namespace
-}  // namespace idim::testing
+}  // namespace idim::testing::report_test

@@ -13,7 +13,7 @@
 #include "residuals/torque_residual.h"
 #include "tests/support/random_arm.h"
 
-namespace idim {
+namespace idim::bundle_residuals_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -106,4 +106,4 @@ TEST(ParameterPriorResidual, IsTheDistanceInStandardDeviations) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::bundle_residuals_test

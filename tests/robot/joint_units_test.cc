@@ -6,7 +6,7 @@
 #include "core/robot/inertia.h"
 #include "solvers/linear/gain_system.h"
 
-namespace idim {
+namespace idim::joint_units_test {
 namespace {
 
 Robot Of(const std::vector<JointType>& types) {
@@ -44,4 +44,4 @@ TEST(JointUnits, OfGains) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::joint_units_test

@@ -9,7 +9,7 @@
 #include "tests/support/forward_kinematics.h"
 #include "tests/support/temp_folder.h"
 
-namespace idim {
+namespace idim::robot_reader_test {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -254,4 +254,4 @@ TEST(ReadRobot, Ur10eFromUrdfAndMdhAgree) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::robot_reader_test

@@ -8,7 +8,7 @@
 #include "core/robot/robot_reader.h"
 #include "tests/support/random_arm.h"
 
-namespace idim {
+namespace idim::ur10e_torque_test {
 namespace {
 
 using Eigen::VectorXd;
@@ -55,4 +55,4 @@ TEST(Ur10e, BothDescriptionsHaveAsManyBaseParameters) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::ur10e_torque_test

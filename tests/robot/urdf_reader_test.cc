@@ -8,7 +8,7 @@
 #include "tests/support/forward_kinematics.h"
 #include "tests/support/temp_folder.h"
 
-namespace idim {
+namespace idim::urdf_reader_test {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -273,4 +273,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::urdf_reader_test

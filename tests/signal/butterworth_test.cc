@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace idim {
+namespace idim::butterworth_test {
 namespace {
 
 constexpr double kStep = 1e-3;
@@ -93,4 +93,4 @@ TEST(ButterworthFilter, MarginContinuesTheSameSignal) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::butterworth_test

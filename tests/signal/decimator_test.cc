@@ -8,7 +8,7 @@
 
 #include "tests/signal/signals.h"
 
-namespace idim {
+namespace idim::decimator_test {
 namespace {
 
 Decimator Make(const Eigen::VectorXd& t, int decimation, double edge_outputs = 2.0, double edge_seconds = 0.0) {
@@ -217,4 +217,4 @@ TEST(Decimator, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::decimator_test

@@ -7,7 +7,7 @@
 #include "core/signal/clock.h"
 #include "tests/signal/signals.h"
 
-namespace idim {
+namespace idim::smoothing_spline_test {
 namespace {
 
 SmoothingSpline Make(const Eigen::VectorXd& t, int order, double cutoff, double knots = 10.0) {
@@ -138,4 +138,4 @@ TEST(SmoothingSpline, SampleWeightsAreTheTransposedFit) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::smoothing_spline_test

@@ -10,7 +10,7 @@
 #include "core/simulation/simulate_scenario.h"
 #include "tests/support/given_effects.h"
 
-namespace idim {
+namespace idim::effects_memory_test {
 namespace {
 
 using testing::GivenEffect;
@@ -235,4 +235,4 @@ TEST(Memory, DoesNotDependOnTheRecordedRate) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::effects_memory_test

@@ -13,7 +13,7 @@
 #include "core/simulation/simulate_scenario.h"
 #include "tests/support/temp_folder.h"
 
-namespace idim {
+namespace idim::effects_scenario_test {
 namespace {
 
 const char kScenario[] = R"(robot: robot.yaml
@@ -93,7 +93,7 @@ struct BadEffect {
   const char* word;
 };
 
-class BadEffects : public testing::TestWithParam<BadEffect> {};
+class BadEffects : public ::testing::TestWithParam<BadEffect> {};
 
 TEST_P(BadEffects, AreRefusedByFileLineAndKey) {
   TempFolder folder;
@@ -106,7 +106,7 @@ TEST_P(BadEffects, AreRefusedByFileLineAndKey) {
 
 INSTANTIATE_TEST_SUITE_P(
     Table, BadEffects,
-    testing::Values(
+    ::testing::Values(
         BadEffect{"unknown_id", "{id: stribek, joints: [3], Fst: 1, vs: 1}", "effects[1].id", "stribeck"},
         BadEffect{"no_id", "{joints: [3], Fst: 1, vs: 1}", "effects[1].id", "missing"},
         BadEffect{"not_a_mapping", "stribeck", "effects[1]", "not a mapping"},
@@ -216,4 +216,4 @@ TEST(EffectSize, ShareIsThatOfTheSignalAndIsReachedByScaling) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::effects_scenario_test

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace idim {
+namespace idim::random_test {
 namespace {
 
 TEST(Random, DrawsEachWholeNumberBelowItsBoundEvenly) {
@@ -45,4 +45,4 @@ TEST(Random, OfWordsIsThatOfTheSeedSequence) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::random_test

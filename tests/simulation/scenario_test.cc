@@ -13,7 +13,7 @@
 #include "core/effects/simulated_effects.h"
 #include "core/simulation/simulate_scenario.h"
 
-namespace idim {
+namespace idim::scenario_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,7 +56,7 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-class InFolder : public testing::Test {
+class InFolder : public ::testing::Test {
  protected:
   InFolder() {
     std::string name = (fs::temp_directory_path() / "idim_scenario_XXXXXX").string();
@@ -272,7 +272,7 @@ struct BadCase {
   const char* word;
 };
 
-class BadScenario : public InFolder, public testing::WithParamInterface<BadCase> {};
+class BadScenario : public InFolder, public ::testing::WithParamInterface<BadCase> {};
 
 TEST_P(BadScenario, IsRefusedByTheProgramInOneLineAndNothingIsWritten) {
   const BadCase& bad = GetParam();
@@ -293,7 +293,7 @@ TEST_P(BadScenario, IsRefusedByTheProgramInOneLineAndNothingIsWritten) {
 
 INSTANTIATE_TEST_SUITE_P(
     Table, BadScenario,
-    testing::Values(
+    ::testing::Values(
         BadCase{"robot_missing", "robot: robot.yaml", "robot: arm.yaml", "scenario.yaml:1: key 'robot'", "arm.yaml"},
         BadCase{"no_robot", "robot: robot.yaml\n", "", "key 'robot': missing", "expected"},
         BadCase{"unknown_key", "rate: 200", "rates: 200", "scenario.yaml:15: key 'rates'", "rate"},
@@ -333,7 +333,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"bad_motion_seed", "seed: 2", "motion_seed: -1\n    seed: 2", "key 'recordings[2].motion_seed'", "0"},
         BadCase{"one_sample", "duration: 2.5", "duration: 0.001", "key 'recordings[2]'", "1 samples"},
         BadCase{"not_yaml", "rate: 200", "rate: [200", "scenario.yaml:", "not valid YAML"}),
-    [](const testing::TestParamInfo<BadCase>& case_info) { return case_info.param.name; });
+    [](const ::testing::TestParamInfo<BadCase>& case_info) { return case_info.param.name; });
 
 // In memory as through the files, for known gains and for gains to be identified.
 TEST_F(ScenarioFile, StudyOfIsTheStudyThatIsWritten) {
@@ -392,4 +392,4 @@ TEST_F(ScenarioFile, ProgramWithoutOutputOrWithTwoScenariosSaysWhatItExpects) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::scenario_test

@@ -8,7 +8,7 @@
 
 #include "core/simulation/random.h"
 
-namespace idim {
+namespace idim::simulate_test {
 namespace {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -125,7 +125,7 @@ TEST(SimulateTruth, WorkOverAPeriodIsWhatFrictionTakes) {
   EXPECT_GT(std::abs(expected), 0.01 * traffic);
 }
 
-class Noise : public testing::Test {
+class Noise : public ::testing::Test {
  protected:
   Noise() : arm_(80.0) {
     TruthOptions options;
@@ -271,4 +271,4 @@ TEST(Random, StreamsDiffer) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::simulate_test

@@ -13,7 +13,7 @@
 #include "core/simulation/simulate_scenario.h"
 #include "tests/support/given_effects.h"
 
-namespace idim {
+namespace idim::simulated_effects_test {
 namespace {
 
 using testing::GivenEffect;
@@ -357,4 +357,4 @@ TEST(FlexibleEffects, DrivesAreThoseOfTheRigidArm) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::simulated_effects_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace idim {
+namespace idim::trajectory_test {
 namespace {
 
 JointLimits TwoJointLimits() {
@@ -242,7 +242,7 @@ struct BadCase {
   void (*spoil)(PointToPointOptions*);
 };
 
-class BadPointToPoint : public testing::TestWithParam<BadCase> {};
+class BadPointToPoint : public ::testing::TestWithParam<BadCase> {};
 
 TEST_P(BadPointToPoint, IsRefusedNamingTheField) {
   PointToPointOptions options = RandomMotion();
@@ -257,17 +257,17 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 INSTANTIATE_TEST_SUITE_P(
     Table, BadPointToPoint,
-    testing::Values(BadCase{"limits.velocity", [](PointToPointOptions* o) { o->limits.velocity.resize(0); }},
-                    BadCase{"limits.jerk[1] = 0", [](PointToPointOptions* o) { o->limits.jerk[1] = 0.0; }},
-                    BadCase{"limits.acceleration[0]", [](PointToPointOptions* o) { o->limits.acceleration[0] = kNan; }},
-                    BadCase{"limits.lower", [](PointToPointOptions* o) { o->limits.lower.resize(0); }},
-                    BadCase{"limits.lower[0]", [](PointToPointOptions* o) { o->limits.lower[0] = 4.0; }},
-                    BadCase{"at least 2", [](PointToPointOptions* o) { o->random = 1; }},
-                    BadCase{"dwell", [](PointToPointOptions* o) { o->dwell = -0.1; }},
-                    BadCase{"speed", [](PointToPointOptions* o) { o->speed_max = 1.1; }},
-                    BadCase{"via[0] has 3", [](PointToPointOptions* o) { o->via = {Eigen::Vector3d::Zero()}; }},
-                    BadCase{"via[0] puts joint 2",
-                            [](PointToPointOptions* o) { o->via = {Eigen::Vector2d(0.0, 2.6)}; }}));
+    ::testing::Values(
+        BadCase{"limits.velocity", [](PointToPointOptions* o) { o->limits.velocity.resize(0); }},
+        BadCase{"limits.jerk[1] = 0", [](PointToPointOptions* o) { o->limits.jerk[1] = 0.0; }},
+        BadCase{"limits.acceleration[0]", [](PointToPointOptions* o) { o->limits.acceleration[0] = kNan; }},
+        BadCase{"limits.lower", [](PointToPointOptions* o) { o->limits.lower.resize(0); }},
+        BadCase{"limits.lower[0]", [](PointToPointOptions* o) { o->limits.lower[0] = 4.0; }},
+        BadCase{"at least 2", [](PointToPointOptions* o) { o->random = 1; }},
+        BadCase{"dwell", [](PointToPointOptions* o) { o->dwell = -0.1; }},
+        BadCase{"speed", [](PointToPointOptions* o) { o->speed_max = 1.1; }},
+        BadCase{"via[0] has 3", [](PointToPointOptions* o) { o->via = {Eigen::Vector3d::Zero()}; }},
+        BadCase{"via[0] puts joint 2", [](PointToPointOptions* o) { o->via = {Eigen::Vector2d(0.0, 2.6)}; }}));
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::trajectory_test

@@ -12,7 +12,7 @@
 #include "core/simulation/scenario.h"
 #include "core/simulation/simulate_scenario.h"
 
-namespace idim {
+namespace idim::tx40_synthetic_test {
 namespace {
 
 const std::string kFolder = std::string(IDIM_SOURCE_DIR) + "/datasets/tx40_synthetic/";
@@ -68,4 +68,4 @@ TEST(Tx40Synthetic, ReadsAsAStudyAndMovesLikeTheScenarioSays) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::tx40_synthetic_test

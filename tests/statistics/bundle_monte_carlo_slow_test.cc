@@ -21,7 +21,7 @@
 #include "tests/support/eiv_draws.h"
 #include "tests/support/monte_carlo.h"
 
-namespace idim {
+namespace idim::bundle_monte_carlo_slow_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -166,4 +166,4 @@ TEST(BundleMonteCarlo, PriorsAreCountedOnce) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::bundle_monte_carlo_slow_test

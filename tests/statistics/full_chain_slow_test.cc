@@ -19,7 +19,7 @@
 #include "tests/support/monte_carlo.h"
 #include "tests/support/tx40_scenario.h"
 
-namespace idim {
+namespace idim::full_chain_slow_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -202,4 +202,4 @@ TEST(FullChain, DwellsCoarseEncoderJitteringClock) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::full_chain_slow_test

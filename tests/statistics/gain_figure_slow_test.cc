@@ -19,7 +19,7 @@
 #include "tests/support/monte_carlo.h"
 #include "tests/support/tx40_scenario.h"
 
-namespace idim {
+namespace idim::gain_figure_slow_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -181,4 +181,4 @@ TEST(GainFigure, TenTimesTheJointNoise) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::gain_figure_slow_test

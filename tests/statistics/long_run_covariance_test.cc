@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace idim {
+namespace idim::long_run_covariance_test {
 namespace {
 
 using Eigen::Index;
@@ -107,4 +107,4 @@ TEST(LongRunCovariance, LagOfWhatDoesNotChange) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::long_run_covariance_test

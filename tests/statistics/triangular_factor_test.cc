@@ -11,7 +11,7 @@
 #include "core/base/decompositions.h"
 #include "tests/support/random_arm.h"
 
-namespace idim {
+namespace idim::triangular_factor_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -224,4 +224,4 @@ TEST(TriangularFactor, BadlyScaledColumns) {
 }
 
 }  // namespace
-}  // namespace idim
+}  // namespace idim::triangular_factor_test

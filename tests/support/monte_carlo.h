@@ -19,17 +19,16 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <atomic>
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <cstdio>
 #include <functional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "core/base/decompositions.h"
+#include "core/base/parallel_for.h"
 #include "solvers/bundle/bundle.h"
 
 namespace idim::testing {
@@ -59,13 +58,7 @@ inline MonteCarloRun RunOf(const BundleSummary& summary, const Eigen::VectorXd& 
 // run(r) for r = 0 .. runs - 1 on two threads; the results do not depend on which thread takes which.
 inline std::vector<MonteCarloRun> RunMonteCarlo(int runs, const std::function<MonteCarloRun(int run)>& run) {
   std::vector<MonteCarloRun> results(runs);
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    for (int r = next++; r < runs; r = next++) results[r] = run(r);
-  };
-  std::thread other(work);
-  work();
-  other.join();
+  ParallelFor(2, runs, [&](int r) { results[r] = run(r); });
   return results;
 }
 

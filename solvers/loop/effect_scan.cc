@@ -1,7 +1,9 @@
 #include "solvers/loop/effect_scan.h"
 
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <mutex>
 
@@ -185,40 +187,26 @@ class ShapeSearch {
     return Allowed(residual_.Explain(whitened, whitened.cols())[0]);
   }
 
-  // Golden section between the neighbours on the grid.
+  // Brent's method between the neighbours on the grid.
   void Refine(Index s, VectorXd* shape) const {
-    constexpr double kGolden = 0.6180339887498949;
-    constexpr int kRefinements = 6;
+    constexpr int kBits = 20;  // of the shape: finer than what its explanation can tell
+    constexpr std::uintmax_t kRefinements = 8;
     const std::vector<double>& grid = shapes_[static_cast<size_t>(s)].grid;
     const size_t point = static_cast<size_t>(std::lower_bound(grid.begin(), grid.end(), (*shape)[s]) - grid.begin());
     const ShapeParameter& parameter = shapes_[static_cast<size_t>(s)];
-    double low = parameter.Within((*shape)[s], grid[point > 0 ? point - 1 : point]);
-    double high = parameter.Within((*shape)[s], grid[point + 1 < grid.size() ? point + 1 : point]);
+    const double low = parameter.Within((*shape)[s], grid[point > 0 ? point - 1 : point]);
+    const double high = parameter.Within((*shape)[s], grid[point + 1 < grid.size() ? point + 1 : point]);
     if (!(high > low)) return;
     VectorXd trial = *shape;
-    double best = Explained(trial);
-    const auto at = [&](double value) {
-      trial[s] = value;
-      const double explained = Explained(trial);
-      if (explained > best) {
-        best = explained;
-        (*shape)[s] = value;
-      }
-      return explained;
-    };
-    double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
-    double f_left = at(left), f_right = at(right);
-    for (int k = 0; k < kRefinements; ++k) {
-      if (f_left > f_right) {
-        high = right, right = left, f_right = f_left;
-        left = high - kGolden * (high - low);
-        f_left = at(left);
-      } else {
-        low = left, left = right, f_left = f_right;
-        right = low + kGolden * (high - low);
-        f_right = at(right);
-      }
-    }
+    const double best = Explained(trial);
+    std::uintmax_t evaluations = kRefinements;
+    const auto [value, unexplained] = boost::math::tools::brent_find_minima(
+        [&](double at) {
+          trial[s] = at;
+          return -Explained(trial);
+        },
+        low, high, kBits, evaluations);
+    if (-unexplained > best) (*shape)[s] = value;
   }
 
   const Place& place_;

@@ -26,12 +26,12 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "apps/program.h"
+#include "core/base/random.h"
 #include "core/robot/robot_reader.h"
 #include "solvers/bundle/bundle.h"
 
@@ -152,23 +152,21 @@ void Write() {
   Problem problem = MakeProblem(FLAGS_arm, FLAGS_joint_noise);
   idim::StandardModel model = problem.base.model();
   const int n = problem.data.dof;
-  std::mt19937_64 generator(static_cast<std::uint64_t>(FLAGS_seed));
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  idim::Random random(static_cast<std::uint64_t>(FLAGS_seed));
   const Eigen::Matrix3d root = problem.data.state_covariance[0][0].llt().matrixL();
   MatrixXd rows(FLAGS_samples, 4 * n);
   VectorXd state(3 * n), tau(n);
   for (int k = 0; k < FLAGS_samples; ++k) {
     for (int j = 0; j < n; ++j) {
-      state[j] = problem.position_range * uniform(generator);
-      state[n + j] = problem.velocity_range * uniform(generator);
-      state[2 * n + j] = problem.acceleration_range * uniform(generator);
+      state[j] = problem.position_range * random.Uniform(-1.0, 1.0);
+      state[n + j] = problem.velocity_range * random.Uniform(-1.0, 1.0);
+      state[2 * n + j] = problem.acceleration_range * random.Uniform(-1.0, 1.0);
     }
     model.Torque(state.data(), state.data() + n, state.data() + 2 * n, nullptr, problem.standard,
                  2 * k < FLAGS_samples ? idim::InertialVector::Zero() : problem.payload, tau.data());
     for (int j = 0; j < n; ++j) {
       Eigen::Vector3d white;
-      for (double& w : white) w = normal(generator);
+      for (double& w : white) w = random.Normal();
       const Eigen::Vector3d noise = root * white;
       for (int a = 0; a < 3; ++a) rows(k, a * n + j) = state[a * n + j] + noise[a];
       rows(k, 3 * n + j) = tau[j] / problem.truth[j];
@@ -176,7 +174,7 @@ void Write() {
   }
   const VectorXd sigma = 0.05 * (rows.rightCols(n).colwise().squaredNorm() / FLAGS_samples).cwiseSqrt().transpose();
   for (int k = 0; k < FLAGS_samples; ++k) {
-    for (int j = 0; j < n; ++j) rows(k, 3 * n + j) += sigma[j] * normal(generator);
+    for (int j = 0; j < n; ++j) rows(k, 3 * n + j) += sigma[j] * random.Normal();
   }
   VectorXd start = problem.truth;
   for (Eigen::Index i = 0; i < start.size(); ++i) start[i] *= i % 2 == 0 ? 1.2 : 0.8;

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/base/decompositions.h"
-#include "core/simulation/random.h"
+#include "core/base/random.h"
 #include "solvers/linear/gain_identification.h"
 #include "solvers/linear/gain_system.h"
 #include "solvers/linear/least_squares.h"

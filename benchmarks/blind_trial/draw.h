@@ -3,8 +3,8 @@
 #ifndef IDIM_BENCHMARKS_BLIND_TRIAL_DRAW_H_
 #define IDIM_BENCHMARKS_BLIND_TRIAL_DRAW_H_
 
+#include "core/base/random.h"
 #include "core/simulation/effect_equation.h"
-#include "core/simulation/random.h"
 #include "core/simulation/scenario.h"
 
 namespace idim::blind_trial {

@@ -1,4 +1,4 @@
-#include "core/simulation/random.h"
+#include "core/base/random.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +27,12 @@ double Random::Normal() {
   constexpr double kTwoPi = 6.283185307179586476925;
   const double radius = std::sqrt(-2.0 * std::log(1.0 - Uniform()));  // 1 - u is never 0
   return radius * std::cos(kTwoPi * Uniform());
+}
+
+Eigen::VectorXd Random::Vector(int size, double limit) {
+  Eigen::VectorXd values(size);
+  for (double& value : values) value = Uniform(-limit, limit);
+  return values;
 }
 
 }  // namespace idim

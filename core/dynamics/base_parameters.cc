@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <random>
 #include <utility>
 
 #include "core/base/decompositions.h"
+#include "core/base/random.h"
 
 namespace idim {
 namespace {
@@ -21,10 +21,8 @@ Eigen::MatrixXd SampleColumns(StandardModel* model, std::uint64_t seed) {
   const int n = model->dof();
   const int columns = model->columns();
   const int states = 6 * columns / n + 10;
-  std::mt19937_64 generator(seed);
-  const auto uniform = [&generator](double limit) {
-    return limit * (std::ldexp(static_cast<double>(generator() >> 11), -52) - 1.0);
-  };
+  Random random(seed);
+  const auto uniform = [&random](double limit) { return random.Uniform(-limit, limit); };
   Eigen::MatrixXd w(states * n, columns);
   RowMajorMatrix block(n, columns);
   Eigen::VectorXd q(n), dq(n), ddq(n);

@@ -21,8 +21,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/random.h"
 #include "core/robot/robot.h"
-#include "core/simulation/random.h"
 #include "core/simulation/trajectory.h"
 
 namespace idim {

@@ -4,7 +4,7 @@
 #include <sstream>
 #include <utility>
 
-#include "core/simulation/random.h"
+#include "core/base/random.h"
 #include "core/simulation/trajectory.h"
 #include "core/simulation/trajectory_limits.h"
 

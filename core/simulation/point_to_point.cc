@@ -5,7 +5,7 @@
 #include <sstream>
 #include <utility>
 
-#include "core/simulation/random.h"
+#include "core/base/random.h"
 #include "core/simulation/trajectory.h"
 #include "core/simulation/trajectory_limits.h"
 

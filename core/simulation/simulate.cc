@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/decompositions.h"
-#include "core/simulation/random.h"
+#include "core/base/random.h"
 
 namespace idim {
 namespace {

@@ -1,6 +1,6 @@
-// Draws of core/simulation/random.h that no simulation shows by its results.
+// Draws of core/base/random.h that no simulation shows by its results.
 
-#include "core/simulation/random.h"
+#include "core/base/random.h"
 
 #include <gtest/gtest.h>
 

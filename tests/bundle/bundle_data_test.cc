@@ -19,7 +19,6 @@ using testing::GainScenario;
 using testing::GainStudy;
 using testing::MakeBundleStudy;
 using testing::MakeGainStudy;
-using testing::Random;
 
 // A revolute, a prismatic and a revolute joint, gear and coupling of 3 motors: signals on the motor side.
 GainScenario CoupledRpr() {

@@ -22,7 +22,7 @@ using testing::GainScenario;
 
 // A coupled drive whose signals are on the motor side: M is not diagonal.
 GainScenario CoupledRpr() {
-  testing::Random random(11);
+  Random random(11);
   GainScenario scenario;
   scenario.robot = testing::RandomArm("RPR", &random);
   scenario.robot.transmission = MatrixXd{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.4, 1.0}};

@@ -24,7 +24,7 @@ using testing::EditSamples;
 using ::testing::HasSubstr;
 
 BundleStudy Arm3(unsigned noise_seed = 1) {
-  testing::Random random(21);
+  Random random(21);
   testing::GainScenario scenario;
   scenario.robot = testing::RandomArm("RRR", &random);
   scenario.gains = VectorXd{{33.9, -24.2, 6.79}};

@@ -23,7 +23,7 @@ using testing::GainScenario;
 using testing::MakeBundleStudy;
 
 GainScenario Arm3() {
-  testing::Random random(21);
+  Random random(21);
   GainScenario scenario;
   scenario.robot = testing::RandomArm("RRR", &random);
   scenario.gains = VectorXd{{33.9, -24.2, 6.79}};
@@ -94,7 +94,7 @@ TEST(CeresBundle, ClosedFormReachesTheSameMinimumTx40) { ExpectSame(NoisyStudy(S
 // The closed form's cost is that of the explicit form with its latents at their best, whatever the unknowns.
 TEST(CeresBundle, ClosedFormHasTheProfileCost) {
   const BundleStudy study = NoisyStudy(Arm3());
-  testing::Random random(8);
+  Random random(8);
   for (int trial = 0; trial < 5; ++trial) {
     const VectorXd scale =
         VectorXd::Ones(study.truth.size()) + random.Vector(static_cast<int>(study.truth.size()), 0.5);

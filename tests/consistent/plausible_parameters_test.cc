@@ -9,10 +9,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/base/random.h"
 #include "core/effects/simulated_effects.h"
 #include "core/robot/log_cholesky.h"
 #include "core/robot/robot_reader.h"
-#include "core/simulation/random.h"
 #include "core/simulation/scenario.h"
 #include "core/simulation/simulate_scenario.h"
 #include "residuals/base_parameter_residual.h"

@@ -17,7 +17,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using testing::Random;
 using RowMajorMatrix = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
 
 struct DhRow {

@@ -18,7 +18,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using testing::Random;
 using testing::RandomArm;
 using Jet = ceres::Jet<double, 1>;
 

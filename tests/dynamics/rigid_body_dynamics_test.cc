@@ -13,7 +13,6 @@ namespace idim::rigid_body_dynamics_test {
 namespace {
 
 using Eigen::VectorXd;
-using testing::Random;
 using testing::RandomArm;
 using testing::RandomBody;
 

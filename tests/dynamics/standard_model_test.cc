@@ -8,7 +8,6 @@ namespace idim::standard_model_test {
 namespace {
 
 using Eigen::VectorXd;
-using testing::Random;
 using RowMajorMatrix = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
 
 TEST(StandardModel, ColumnsTimesParametersIsTheRecursionWithDrivesCouplingsAndPayload) {

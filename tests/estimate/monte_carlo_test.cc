@@ -13,7 +13,7 @@
 
 #include "apps/pages/comparison_report.h"
 #include "apps/pages/monte_carlo_report.h"
-#include "core/simulation/random.h"
+#include "core/base/random.h"
 
 namespace idim::monte_carlo_test {
 namespace {

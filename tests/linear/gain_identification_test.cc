@@ -78,7 +78,7 @@ TEST(GainIdentification, NoiseFreeMotorSide) {
 }
 
 TEST(GainIdentification, NoiseFreeGeneralArmWithAPrismaticJoint) {
-  testing::Random random(4);
+  Random random(4);
   GainScenario scenario;
   scenario.robot = testing::RandomArm("RPR", &random);
   scenario.gains = VectorXd{{12.0, -150.0, 3.5}};

@@ -85,7 +85,7 @@ struct Tally {
 // are 4e-8 a parameter, with 3000 runs 7.1 % and a tenth, with 600 runs 16 % (30 % wrong formulas are seen at once) and
 // 22 %.
 TEST(GainMonteCarlo, WhereEquation21HoldsTlsIsUnbiasedAndItsSpreadIsEquation23) {
-  testing::Random random(4);
+  Random random(4);
   GainScenario scenario;
   scenario.robot = testing::RandomArm("RRR", &random);
   scenario.gains = VectorXd{{12.0, -9.0, 5.0}};

@@ -32,7 +32,7 @@ class Clocks : public ::testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(UniformAndJittering, Clocks, ::testing::Bool());
 
 TEST_P(Clocks, EqualsDenseColumnsThroughTheDecimator) {
-  testing::Random random(2);
+  Random random(2);
   const int samples = 700, n = 6;
   VectorXd t(samples);
   for (int i = 0; i < samples; ++i) t[i] = 0.005 * (i + (GetParam() ? random.Uniform(-0.4, 0.4) : 0.0));

@@ -19,7 +19,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using RowMajorMatrix = TorqueResidual::RowMajorMatrix;
-using testing::Random;
 
 VectorXd Evaluate(const ceres::CostFunction& cost, const std::vector<const double*>& blocks) {
   VectorXd residuals(cost.num_residuals());

@@ -22,7 +22,7 @@ TEST(Ur10e, UrdfAndModifiedDhNeedTheSameTorques) {
   ASSERT_TRUE(urdf.ok()) << urdf.status().message();
   ASSERT_EQ(dh->dof(), 6);
   ASSERT_EQ(urdf->dof(), 6);
-  testing::Random random(12);
+  Random random(12);
   const VectorXd q0 = random.Vector(6, M_PI), q1 = random.Vector(6, M_PI);
   std::vector<InertialVector> urdf_bodies, dh_bodies;
   for (int j = 0; j < 6; ++j) {

@@ -6,7 +6,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
-#include "core/simulation/random.h"
+#include "core/base/random.h"
 
 namespace idim::simulate_test {
 namespace {

@@ -17,7 +17,7 @@ namespace {
 using Eigen::MatrixXd;
 
 MatrixXd RandomMatrix(int rows, int columns, unsigned seed) {
-  testing::Random random(seed);
+  Random random(seed);
   return MatrixXd::NullaryExpr(rows, columns, [&] { return random.Uniform(-1.0, 1.0); });
 }
 

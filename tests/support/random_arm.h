@@ -5,24 +5,12 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <random>
 #include <vector>
 
+#include "core/base/random.h"
 #include "core/robot/robot.h"
 
 namespace idim::testing {
-
-class Random {
- public:
-  explicit Random(unsigned seed) : generator_(seed) {}
-  double Uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(generator_); }
-  Eigen::VectorXd Vector(int size, double limit) {
-    return Eigen::VectorXd::NullaryExpr(size, [&] { return Uniform(-limit, limit); });
-  }
-
- private:
-  std::mt19937_64 generator_;
-};
 
 // A physically consistent body: a random mass distribution of five point masses.
 inline InertialVector RandomBody(Random* random) {

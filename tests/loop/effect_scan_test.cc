@@ -54,7 +54,7 @@ TEST(EffectScan, RanksTheTrueEffectFirstAtItsShape) {
 // Of effects, of the places of one, and of its shapes: at one joint alone fewer were tried, and the same finding
 // is less likely to be chance.
 TEST(EffectScan, PValueIsOfAllThatWasTried) {
-  const std::string ripple = "  - {id: torque_ripple, joints: [3], amplitude: 0.02, order: 11, phase: 0.4}\n";
+  const std::string ripple = "  - {id: torque_ripple, joints: [3], amplitude: 0.2, order: 11, phase: 0.4}\n";
   ScanOptions options;
   options.significance = 1.0;
   const Scanned everywhere = ScanArm(ripple, options);

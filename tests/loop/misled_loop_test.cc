@@ -1,0 +1,111 @@
+// The loop reconsiders: on simulated studies a first look that does not see what is there (a scan whose list lacks it)
+// leads it to another effect. All else is the loop's own: data, fits, held-out errors, decisions.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/model/active_effects.h"
+#include "solvers/loop/declared_effects.h"
+#include "solvers/loop/loop_problem.h"
+#include "solvers/loop/loop_search.h"
+#include "tests/support/simulated_study.h"
+
+namespace idim::testing::misled_loop_test {
+namespace {
+
+using Ids = std::set<std::string>;
+
+// The first `scans` looks at the whole arm do not see effects of these ids.
+class Misled : public LoopProblem {
+ public:
+  Misled(const LoopOptions& options, Ids unseen, int scans)
+      : LoopProblem(options, false), unseen_(std::move(unseen)), scans_(scans) {}
+
+  std::vector<EffectCandidate> Scan(const JudgedFit& model, const std::vector<int>& joints,
+                                    const std::function<void(const std::string&)>& say) const {
+    std::vector<EffectCandidate> all = LoopProblem::Scan(model, joints, say);
+    if (!joints.empty() || seen_++ >= scans_) return all;
+    all.erase(std::remove_if(all.begin(), all.end(),
+                             [&](const EffectCandidate& c) { return unseen_.count(c.effect.effect->id()) > 0; }),
+              all.end());
+    return all;
+  }
+
+ private:
+  const Ids unseen_;
+  const int scans_;
+  mutable int seen_ = 0;
+};
+
+using Search = LoopSearch<Misled>;
+
+struct Outcome {
+  std::vector<std::string> effects;  // in the model at the end
+  std::vector<Search::Dropped> dropped;
+};
+
+Outcome Close(const std::string& effects, const Ids& unseen, int scans) {
+  SimulatedStudy study;
+  ReplaceOnce("recordings:\n", "effects:\n" + effects + "recordings:\n", &study.scenario_text);
+  study.Simulate();
+  Result<EffectFit> declared = FitWithDeclaredEffects(study.Prepare());
+  if (!declared.ok()) throw std::runtime_error(declared.status().message());
+  const LoopOptions options;
+  const Misled problem(options, unseen, scans);
+  Search search(problem, options, JudgedFit(*std::move(declared)));
+  search.Run();
+  Outcome outcome;
+  for (const ActiveEffect& effect : Misled::Effects(search.model())) outcome.effects.push_back(EffectTitle(effect));
+  outcome.dropped = search.dropped();
+  return outcome;
+}
+
+const char kPowerViscous[] = "  - {id: power_viscous, joints: [2], coefficient: 4.0, exponent: 0.4}\n";
+const char kStribeck[] = "  - {id: stribeck, joints: [2], Fst: 2.0, vs: 0.2}\n";
+const char kSpring[] = "  - {id: joint_spring, joints: [1], stiffness: 2.0, rest: 0.3}\n";
+
+TEST(MisledLoop, DropsWhatIsNotNeededBesideTheTruth) {
+  for (const auto& [effects, id, truth, stand_in] :
+       {std::tuple(kPowerViscous, "power_viscous", "power_viscous on joint 2", "presliding on joint 2"),
+        std::tuple(kSpring, "joint_spring", "joint_spring on joint 1", "torque_ripple on joint 1")}) {
+    const Outcome outcome = Close(effects, {id}, 1);
+    EXPECT_EQ(outcome.effects, std::vector<std::string>({truth}));
+    ASSERT_EQ(outcome.dropped.size(), 1u) << truth;
+    EXPECT_EQ(EffectTitle(outcome.dropped[0].effect), stand_in);
+    EXPECT_EQ(outcome.dropped[0].why, WhyDropped::kNotNeeded);
+  }
+}
+
+TEST(MisledLoop, DropsWhatTurnedItsSignBesideTheTruth) {
+  const Outcome outcome = Close(kStribeck, {"stribeck"}, 1);
+  EXPECT_EQ(outcome.effects, std::vector<std::string>({"stribeck on joint 2"}));
+  ASSERT_EQ(outcome.dropped.size(), 1u);
+  EXPECT_EQ(EffectTitle(outcome.dropped[0].effect), "power_viscous on joint 2");
+  EXPECT_EQ(outcome.dropped[0].why, WhyDropped::kForbiddenSign);
+}
+
+// Seen only where the place of the other is looked at again.
+TEST(MisledLoop, ReplacesByTheTruth) {
+  for (const auto& [effects, id, truth, stand_in] :
+       {std::tuple(kPowerViscous, "power_viscous", "power_viscous on joint 2", "presliding on joint 2"),
+        std::tuple(kStribeck, "stribeck", "stribeck on joint 2", "power_viscous on joint 2"),
+        std::tuple(kSpring, "joint_spring", "joint_spring on joint 1", "torque_ripple on joint 1")}) {
+    const Outcome outcome = Close(effects, {id}, 1000);
+    EXPECT_EQ(outcome.effects, std::vector<std::string>({truth}));
+    ASSERT_EQ(outcome.dropped.size(), 1u) << truth;
+    EXPECT_EQ(EffectTitle(outcome.dropped[0].effect), stand_in);
+    EXPECT_EQ(outcome.dropped[0].why, WhyDropped::kReplaced);
+    EXPECT_EQ(EffectTitle(*outcome.dropped[0].replaced_by), truth);
+  }
+}
+
+}  // namespace
+}  // namespace idim::testing::misled_loop_test

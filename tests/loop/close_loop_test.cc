@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <map>
 #include <set>
 #include <string>
 
@@ -67,6 +69,41 @@ TEST(CloseLoop, FindsOneEffectWithItsShape) {
     EXPECT_GT(p.interval95[1], truth - 3.0 * p.standard_deviation);
   }
   EXPECT_EQ(seen, 2);
+}
+
+// The parameters that left their 95 % interval, from the estimates before and after the only step.
+TEST(CloseLoop, SaysWhatTheEffectMoved) {
+  const LoopResult result = Close(StudyWith("  - {id: power_viscous, joints: [2], coefficient: 4.0, exponent: 0.4}\n"));
+  ASSERT_EQ(result.steps.size(), 1u);
+  std::map<std::string, const MovedParameter*> moved;
+  for (const MovedParameter& m : result.steps[0].moved) moved[m.parameter.name] = &m;
+  size_t seen = 0, compared = 0;
+  for (const ParameterEstimate& before : result.before.estimate.parameters) {
+    for (const ParameterEstimate& after : result.after.estimate.parameters) {
+      if (after.parameter.name != before.parameter.name) continue;
+      ++compared;
+      const bool left = after.value < before.interval95[0] || after.value > before.interval95[1];
+      ASSERT_EQ(moved.count(before.parameter.name), left ? 1u : 0u) << before.parameter.name;
+      if (!left) continue;
+      ++seen;
+      EXPECT_EQ(moved[before.parameter.name]->before, before.value);
+      EXPECT_NEAR(moved[before.parameter.name]->after, after.value, 1e-6 * std::abs(after.value));
+    }
+  }
+  EXPECT_EQ(seen, moved.size());
+  EXPECT_GT(seen, 0u) << "the case says nothing";
+  EXPECT_LT(seen, compared) << "the case says nothing";
+}
+
+TEST(CloseLoop, SaysWhatIsLeftWhereNothingMayBeAdded) {
+  LoopOptions options;
+  options.max_effects = 0;
+  const LoopResult result =
+      Close(StudyWith("  - {id: joint_spring, joints: [1], stiffness: 20.0, rest: 0.3}\n"), options);
+  EXPECT_TRUE(result.steps.empty());
+  ASSERT_FALSE(result.unexplained.empty());
+  EXPECT_EQ(result.unexplained[0].joint, 0);
+  EXPECT_EQ(result.given.max_effects, 0);
 }
 
 TEST(CloseLoop, FindsTwoEffectsWhateverTheThreads) {

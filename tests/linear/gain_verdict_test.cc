@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
+#include <string>
 
 #include "core/base/decompositions.h"
+#include "core/base/text.h"
 #include "solvers/linear/signal_noise.h"
 #include "tests/support/gain_study.h"
 
@@ -18,6 +21,7 @@ using testing::GainScenario;
 using testing::GainStudy;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 GainSystem Build(const GainStudy& study) {
   Result<GainSystem> system = BuildGainSystem(study.prepared);
@@ -40,6 +44,17 @@ std::vector<GainVerdict> Judge(const Eigen::Vector3d& gravity) {
 TEST(GainVerdict, AVerticalFirstAxisIsTheWeakOneAndGravityIsNamed) {
   const std::vector<GainVerdict> upright = Judge({0.0, 0.0, -9.81});
   ASSERT_EQ(upright.size(), 6u);
+  for (int j = 0; j < 6; ++j) {
+    EXPECT_EQ(upright[j].name, "g" + std::to_string(j + 1));
+    EXPECT_EQ(upright[j].joint, j + 1);
+    EXPECT_THAT(upright[j].sentence, StartsWith(upright[j].name + " is "));
+  }
+  // A share is said to two digits below a tenth, in whole per cent above.
+  ASSERT_LT(upright[0].payload_torque_share, 0.0995);
+  EXPECT_THAT(upright[0].sentence,
+              HasSubstr(", " + Format("%.2g %%", 100.0 * upright[0].payload_torque_share) + " of its torque"));
+  ASSERT_GT(upright[1].independent, 0.0995);
+  EXPECT_THAT(upright[1].sentence, HasSubstr("imitate " + Format("%.0f %%", 100.0 * upright[1].independent) + " of"));
   EXPECT_NE(upright[0].strength, GainStrength::kStrong);
   for (int j = 1; j < 6; ++j) {
     EXPECT_LT(upright[0].reliability, 0.5 * upright[j].reliability) << j;
@@ -60,6 +75,24 @@ TEST(GainVerdict, AVerticalFirstAxisIsTheWeakOneAndGravityIsNamed) {
   EXPECT_GT(wall[0].reliability, 2.0 * upright[0].reliability);
   EXPECT_EQ(wall[0].strength, GainStrength::kStrong);
   EXPECT_GT(wall[0].payload_gravity_share, 0.01);
+}
+
+TEST(ReasonsAgainstGains, NameTheGainItsSignAndItsDeviation) {
+  const VectorXd gains{{2.0, -3.0, 40.0}};
+  const MatrixXd covariance = VectorXd{{0.01, 0.04, 36.0}}.asDiagonal();  // 5, 6.7 and 15 %
+  EXPECT_EQ(ReasonsAgainstGains(gains, covariance, VectorXd(), 15.5), "");
+  EXPECT_EQ(ReasonsAgainstGains(gains, covariance, VectorXd(), 14.5),
+            "g3 = 40 has a relative standard deviation of 15 %, above 14.5 %");
+  // An a priori value of 0 says nothing of the sign.
+  EXPECT_EQ(ReasonsAgainstGains(gains, covariance, VectorXd{{1.0, -1.0, 0.0}}, 15.5), "");
+  EXPECT_EQ(
+      ReasonsAgainstGains(gains, covariance, VectorXd{{-1.5, 2.5, 1.0}}, 6.0),
+      "g1 = 2 has the opposite sign of its a priori value -1.5; g2 = -3 has the opposite sign of its a priori "
+      "value 2.5; g2 = -3 has a relative standard deviation of 6.67 %, above 6 %; g3 = 40 has a relative standard "
+      "deviation of 15 %, above 6 %");
+  EXPECT_THAT(ReasonsAgainstGains(VectorXd{{0.0}}, MatrixXd::Identity(1, 1), VectorXd(), 50.0), HasSubstr("g1 = 0"));
+  EXPECT_THAT(ReasonsAgainstGains(VectorXd{{1.0}}, MatrixXd::Constant(1, 1, NAN), VectorXd(), 50.0),
+              HasSubstr("relative standard deviation of"));
 }
 
 // Definitions with dense matrices: projections of the columns of W_tot themselves.

@@ -14,7 +14,8 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
-// kind: `extern template`, or `template` in the one file that compiles them.
+// kind: `extern template`, or `template` in the one file that compiles them; no expression that parentheses could
+// guard. NOLINTBEGIN(bugprone-macro-parentheses)
 #define IDIM_DECOMPOSITIONS(kind)                                                                                     \
   kind class Eigen::PartialPivLU<Eigen::MatrixXd>;                                                                    \
   kind class Eigen::HouseholderQR<Eigen::MatrixXd>;                                                                   \
@@ -27,6 +28,7 @@
   kind Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>::compute(       \
       const Eigen::EigenBase<Eigen::MatrixXd>&, int);                                                                 \
   kind class Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>
+// NOLINTEND(bugprone-macro-parentheses)
 
 IDIM_DECOMPOSITIONS(extern template);
 

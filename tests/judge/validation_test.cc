@@ -178,9 +178,9 @@ TEST_F(ValidationTest, TheTruthLeavesNoiseAndWeighsThePayload) {
     }
   }
   const MatrixXd decimated = recording.decimator->Apply(columns);
-  for (int j = 0; j < 3; ++j) {
-    w.middleRows(j * decimated.rows(), decimated.rows()) =
-        decimated.middleCols(j * prepared.base().size(), prepared.base().size());
+  const Eigen::Index columns_each = prepared.base().size();
+  for (Eigen::Index j = 0; j < 3; ++j) {
+    w.middleRows(j * decimated.rows(), decimated.rows()) = decimated.middleCols(j * columns_each, columns_each);
   }
   const VectorXd s = Eigen::JacobiSVD<MatrixXd>(w).singularValues();
   EXPECT_NEAR(r.condition_number, s[0] / s[s.size() - 1], 1e-6 * r.condition_number);

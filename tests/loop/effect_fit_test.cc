@@ -86,6 +86,20 @@ TEST(EffectFit, NamesAnEffectOfTheWrongSign) {
   EXPECT_TRUE(OfWrongSign(declared).empty());
 }
 
+TEST(EffectFit, EveryEffectHasTheValuesOfTheLastSolution) {
+  const EffectFit declared =
+      Declared("  - {id: torque_ripple, joints: [2, 3], amplitude: 0.5, order: 11, phase: 0.3}\n");
+  const Result<EffectFit> with =
+      Refit(declared, {{FindEffect("torque_ripple"), {1}, Eigen::VectorXd::Constant(1, 11.1)},
+                       {FindEffect("torque_ripple"), {2}, Eigen::VectorXd::Constant(1, 11.1)}});
+  ASSERT_TRUE(with.ok()) << with.status().message();
+  for (size_t e = 0; e < 2; ++e) {
+    const Unknowns::EffectRange& range = with->data.unknowns.effect(e);
+    ASSERT_EQ(range.linear, 2);
+    EXPECT_EQ(with->prepared.model.effects[e].values, Eigen::VectorXd(with->summary.values.segment(range.at, 2))) << e;
+  }
+}
+
 // Columns set by WithEffectColumnsOf() while fitting are those of a pass over the recordings.
 TEST(EffectFit, HasTheDataOfItsStudy) {
   const EffectFit declared = Declared("  - {id: torque_ripple, joints: [3], amplitude: 0.5, order: 11, phase: 0.0}\n");

@@ -115,7 +115,7 @@ inline GainStudy MakeGainStudy(const GainScenario& scenario) {
       model.Torque(q.data(), dq.data(), ddq.data(), data.velocity_sigma.data(), chi, load, tau.data());
       recording.signal.row(i) = inverse.solve(tau).transpose();
     }
-    const Eigen::VectorXd rms = recording.signal.colwise().norm() / std::sqrt(double(samples));
+    const Eigen::VectorXd rms = recording.signal.colwise().norm() / std::sqrt(static_cast<double>(samples));
     for (int j = 0; scenario.signal_noise > 0.0 && j < n; ++j) {
       for (int i = 0; i < samples; ++i) recording.signal(i, j) += scenario.signal_noise * rms[j] * normal(generator);
     }
@@ -133,8 +133,9 @@ inline GainStudy MakeGainStudy(const GainScenario& scenario) {
   for (int k = 0; k < kNumInertial; ++k) {
     if (!payload.known[k]) unknown.push_back(body[k]);
   }
-  result.truth.resize(n + base.size() + Eigen::Index(unknown.size()));
-  result.truth << scenario.gains, base, Eigen::Map<Eigen::VectorXd>(unknown.data(), Eigen::Index(unknown.size()));
+  const auto unknowns = static_cast<Eigen::Index>(unknown.size());
+  result.truth.resize(n + base.size() + unknowns);
+  result.truth << scenario.gains, base, Eigen::Map<Eigen::VectorXd>(unknown.data(), unknowns);
   return result;
 }
 

@@ -14,8 +14,8 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
-// kind: `extern template`, or `template` in the one file that compiles them; no expression that parentheses could
-// guard. NOLINTBEGIN(bugprone-macro-parentheses)
+// kind: `extern template`, or `template` in the one file that compiles them.
+// It is never an expression: NOLINTBEGIN(bugprone-macro-parentheses)
 #define IDIM_DECOMPOSITIONS(kind)                                                                                     \
   kind class Eigen::PartialPivLU<Eigen::MatrixXd>;                                                                    \
   kind class Eigen::HouseholderQR<Eigen::MatrixXd>;                                                                   \

@@ -23,9 +23,11 @@ void ParallelFor(int threads, int count, const std::function<void(int k)>& work)
       if (!first) first = std::current_exception();
     }
   };
+  const int extra = std::max(0, std::min(threads, count) - 1);
   std::vector<std::thread> others;
+  others.reserve(static_cast<size_t>(extra));  // so that nothing but a thread can fail while some run
   try {
-    for (int t = 1; t < std::min(threads, count); ++t) others.emplace_back(run);
+    for (int t = 0; t < extra; ++t) others.emplace_back(run);
   } catch (const std::system_error&) {
     // As many as the system gives.
   }

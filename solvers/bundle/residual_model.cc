@@ -210,18 +210,18 @@ ResidualModel::HeldOut ResidualModel::CrossValidate(const MatrixXd& remainder) c
   for (int f = 0; f < folds_; ++f) {
     const SampleRanges& segments = fold_segments_[static_cast<size_t>(f)];
     const Eigen::LDLT<MatrixXd>& normal = fold_normal_[static_cast<size_t>(f)];
-    // The unknowns are eliminated before the extra columns (Schur complement).
-    MatrixXd mixed = MatrixXd::Zero(c, p), extra = MatrixXd::Identity(p, p);
-    VectorXd right = explained;
-    for (const auto& [begin, end] : p > 0 ? segments : SampleRanges()) {
-      const auto q = q_.middleRows(begin * dof_, (end - begin) * dof_);
-      const auto z = remainder.middleRows(begin * dof_, (end - begin) * dof_);
-      mixed.noalias() -= q.transpose() * z;
-      extra.noalias() -= z.transpose() * z;
-      right -= z.transpose() * residual_.segment(begin * dof_, (end - begin) * dof_);
-    }
     VectorXd move = normal.solve(fold_right_[static_cast<size_t>(f)]), move_extra(p);
+    // The unknowns are eliminated before the extra columns (Schur complement).
     if (p > 0) {
+      MatrixXd mixed = MatrixXd::Zero(c, p), extra = MatrixXd::Identity(p, p);
+      VectorXd right = explained;
+      for (const auto& [begin, end] : segments) {
+        const auto q = q_.middleRows(begin * dof_, (end - begin) * dof_);
+        const auto z = remainder.middleRows(begin * dof_, (end - begin) * dof_);
+        mixed.noalias() -= q.transpose() * z;
+        extra.noalias() -= z.transpose() * z;
+        right -= z.transpose() * residual_.segment(begin * dof_, (end - begin) * dof_);
+      }
       const MatrixXd eliminated = normal.solve(mixed);
       move_extra = (extra - mixed.transpose() * eliminated).ldlt().solve(right - mixed.transpose() * move);
       move -= eliminated * move_extra;

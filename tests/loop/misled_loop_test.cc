@@ -8,7 +8,6 @@
 #include <set>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -68,43 +67,41 @@ Outcome Close(const std::string& effects, const Ids& unseen, int scans) {
   return outcome;
 }
 
-const char kPowerViscous[] = "  - {id: power_viscous, joints: [2], coefficient: 4.0, exponent: 0.4}\n";
-const char kStribeck[] = "  - {id: stribeck, joints: [2], Fst: 2.0, vs: 0.2}\n";
-const char kSpring[] = "  - {id: joint_spring, joints: [1], stiffness: 2.0, rest: 0.3}\n";
+struct Case {
+  const char* effects;   // of the scenario
+  const char* unseen;    // id of the effect that is there
+  const char* truth;     // its title
+  const char* stand_in;  // what is found in its stead
+};
+const Case kPowerViscous = {"  - {id: power_viscous, joints: [2], coefficient: 4.0, exponent: 0.4}\n", "power_viscous",
+                            "power_viscous on joint 2", "presliding on joint 2"};
+const Case kStribeck = {"  - {id: stribeck, joints: [2], Fst: 2.0, vs: 0.2}\n", "stribeck", "stribeck on joint 2",
+                        "power_viscous on joint 2"};
+const Case kSpring = {"  - {id: joint_spring, joints: [1], stiffness: 2.0, rest: 0.3}\n", "joint_spring",
+                      "joint_spring on joint 1", "torque_ripple on joint 1"};
 
-TEST(MisledLoop, DropsWhatIsNotNeededBesideTheTruth) {
-  for (const auto& [effects, id, truth, stand_in] :
-       {std::tuple(kPowerViscous, "power_viscous", "power_viscous on joint 2", "presliding on joint 2"),
-        std::tuple(kSpring, "joint_spring", "joint_spring on joint 1", "torque_ripple on joint 1")}) {
-    const Outcome outcome = Close(effects, {id}, 1);
-    EXPECT_EQ(outcome.effects, std::vector<std::string>({truth}));
-    ASSERT_EQ(outcome.dropped.size(), 1u) << truth;
-    EXPECT_EQ(EffectTitle(outcome.dropped[0].effect), stand_in);
-    EXPECT_EQ(outcome.dropped[0].why, WhyDropped::kNotNeeded);
+// The truth is left alone in the model, the stand-in gone for this reason.
+void ExpectCorrected(const Case& one, int scans, WhyDropped why) {
+  const Outcome outcome = Close(one.effects, {one.unseen}, scans);
+  EXPECT_EQ(outcome.effects, std::vector<std::string>({one.truth}));
+  ASSERT_EQ(outcome.dropped.size(), 1u) << one.truth;
+  EXPECT_EQ(EffectTitle(outcome.dropped[0].effect), one.stand_in);
+  EXPECT_EQ(outcome.dropped[0].why, why) << one.truth;
+  ASSERT_EQ(outcome.dropped[0].replaced_by.has_value(), why == WhyDropped::kReplaced) << one.truth;
+  if (why == WhyDropped::kReplaced) {
+    EXPECT_EQ(EffectTitle(*outcome.dropped[0].replaced_by), one.truth);
   }
 }
 
-TEST(MisledLoop, DropsWhatTurnedItsSignBesideTheTruth) {
-  const Outcome outcome = Close(kStribeck, {"stribeck"}, 1);
-  EXPECT_EQ(outcome.effects, std::vector<std::string>({"stribeck on joint 2"}));
-  ASSERT_EQ(outcome.dropped.size(), 1u);
-  EXPECT_EQ(EffectTitle(outcome.dropped[0].effect), "power_viscous on joint 2");
-  EXPECT_EQ(outcome.dropped[0].why, WhyDropped::kForbiddenSign);
+TEST(MisledLoop, DropsWhatIsNotNeededBesideTheTruth) {
+  for (const Case& one : {kPowerViscous, kSpring}) ExpectCorrected(one, 1, WhyDropped::kNotNeeded);
 }
+
+TEST(MisledLoop, DropsWhatTurnedItsSignBesideTheTruth) { ExpectCorrected(kStribeck, 1, WhyDropped::kForbiddenSign); }
 
 // Seen only where the place of the other is looked at again.
 TEST(MisledLoop, ReplacesByTheTruth) {
-  for (const auto& [effects, id, truth, stand_in] :
-       {std::tuple(kPowerViscous, "power_viscous", "power_viscous on joint 2", "presliding on joint 2"),
-        std::tuple(kStribeck, "stribeck", "stribeck on joint 2", "power_viscous on joint 2"),
-        std::tuple(kSpring, "joint_spring", "joint_spring on joint 1", "torque_ripple on joint 1")}) {
-    const Outcome outcome = Close(effects, {id}, 1000);
-    EXPECT_EQ(outcome.effects, std::vector<std::string>({truth}));
-    ASSERT_EQ(outcome.dropped.size(), 1u) << truth;
-    EXPECT_EQ(EffectTitle(outcome.dropped[0].effect), stand_in);
-    EXPECT_EQ(outcome.dropped[0].why, WhyDropped::kReplaced);
-    EXPECT_EQ(EffectTitle(*outcome.dropped[0].replaced_by), truth);
-  }
+  for (const Case& one : {kPowerViscous, kStribeck, kSpring}) ExpectCorrected(one, 1000, WhyDropped::kReplaced);
 }
 
 }  // namespace
